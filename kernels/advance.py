@@ -1,0 +1,114 @@
+"""The time loop.  One case is one thread, and the thread runs many steps."""
+
+import functools
+
+import warp as wp
+
+from .cylinder import wall_contacts
+from .data import NOT_FINITE, types
+from .ledger import COSINE, LARGEST, SINE, WALL, WORK, Row, ledger
+from .motion import motion
+from .pairs import pair_contacts
+
+_NOT_FINITE = wp.constant(NOT_FINITE)
+
+
+@functools.cache
+def stepper(effects):
+    """Return the kernels ``advance`` and ``synchronise`` for the given effects."""
+    t = types(effects.real)
+    real, vec3 = t.real, t.vec3
+    Case, Particles, Contacts = t.Case, t.Particles, t.Contacts
+    pair_forces, _ = pair_contacts(effects)
+    wall_forces, _ = wall_contacts(effects)
+    enclosure_phase, integrate, kick = motion(effects)
+    stored = ledger(effects)
+
+    @wp.func
+    def forces(case: Case, p: Particles, c: Contacts, step: wp.int64, h: real, row: Row):
+        """All contact forces of a step, tallied; returns minus the enclosure's acceleration [m/s^2] and the row."""
+        pair_losses, pair_overlap = pair_forces(case, p, c, h)
+        reaction = vec3()
+        wall_losses = wp.vec4d()
+        wall_overlap = real(0.0)
+        if wp.static(effects.enclosure):
+            reaction, wall_losses, wall_overlap = wall_forces(case, p, c, h)
+
+        cosine, sine = enclosure_phase(case, step)
+        inertial = case.acceleration * real(sine) * case.direction
+
+        for k in range(4):
+            row[k] += pair_losses[k]
+            row[WALL + k] += wall_losses[k]
+        along = wp.float64(wp.dot(reaction, case.direction) * h)
+        row[COSINE] += along * cosine
+        row[SINE] += along * sine
+        row[LARGEST] = wp.max(row[LARGEST], wp.float64(wp.max(pair_overlap, wall_overlap)))
+        return inertial, row
+
+    @wp.kernel(enable_backward=False, module="unique")
+    def advance(
+        cases: wp.array(dtype=Case),
+        target: wp.array(dtype=wp.int64),
+        p: Particles,
+        c: Contacts,
+        # in and out:
+        steps: wp.array(dtype=wp.int64),
+        drifts: wp.array(dtype=vec3),
+        tallies: wp.array(dtype=Row),
+        # out:
+        rows: wp.array(dtype=Row),
+        status: wp.array(dtype=wp.int32),
+    ):
+        """Run each case until its target step or until its neighbour list is used up."""
+        n = wp.tid()
+        case = cases[n]
+        step = steps[n]
+        drift = drifts[n]
+        row = tallies[n]
+        limit2 = real(0.25) * case.skin * case.skin
+        travel2 = real(0.0)
+        while step < target[n] and travel2 <= limit2:
+            h = case.dt
+            if step == wp.int64(0):
+                h = real(0.5) * case.dt  # from the given velocities at step 0 to the half step
+                rows[case.first_row] = stored(case, p, c, row, real(0.0))
+
+            inertial, row = forces(case, p, c, step, h, row)
+            work, travel2, mean_velocity = integrate(case, p, inertial, h, drift)
+            row[WORK] += work
+            drift += case.dt * mean_velocity
+            step += wp.int64(1)
+            if not wp.isfinite(wp.dot(mean_velocity, mean_velocity)):  # wp.max would drop a NaN: ask for it
+                travel2 = real(wp.inf)
+                status[n] = _NOT_FINITE
+
+            if step % wp.int64(case.cycle) == wp.int64(0):
+                rows[case.first_row + wp.int32(step / wp.int64(case.cycle))] = stored(
+                    case, p, c, row, real(0.5) * case.dt
+                )
+        steps[n] = step
+        drifts[n] = drift
+        tallies[n] = row
+
+    @wp.kernel(enable_backward=False, module="unique")
+    def synchronise(
+        cases: wp.array(dtype=Case),
+        steps: wp.array(dtype=wp.int64),
+        # in and out: copies, for the run goes on from its half step
+        p: Particles,
+        c: Contacts,
+        tallies: wp.array(dtype=Row),
+    ):
+        """Bring velocities, springs and ledger from the half step to the whole one, to be read."""
+        n = wp.tid()
+        case = cases[n]
+        row = tallies[n]
+        step = steps[n]
+        if step > wp.int64(0):
+            h = real(0.5) * case.dt
+            inertial, row = forces(case, p, c, step, h, row)
+            row[WORK] += kick(case, p, inertial, h)
+        tallies[n] = stored(case, p, c, row, real(0.0))
+
+    return advance, synchronise

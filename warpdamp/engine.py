@@ -1,0 +1,280 @@
+"""A batch of cases on the device: the only module that launches kernels."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from .effects import Effects
+from .kernels import data
+from .kernels.advance import stepper
+from .kernels.ledger import Row
+from .kernels.neighbours import neighbour_search
+from .ledger import Ledger
+from .scene import Material, Scene, State, Surface
+
+wp.config.quiet = True
+
+SKIN = 0.2
+"""Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results."""
+
+_NEVER = np.iinfo(np.int32).max
+
+
+def dashpot(restitution: float) -> float:
+    """b = -ln e / sqrt(ln^2 e + pi^2), 1 at e = 0 (Tsuji et al. 1992, doi:10.1016/0032-5910(92)88030-L)."""
+    if restitution == 0:
+        return 1.0
+    log = math.log(restitution)
+    return -log / math.hypot(log, math.pi)
+
+
+def contact_constants(one: Material, other: Material, surface: Surface) -> dict:
+    """E*, G*, the dashpots' factors and friction of two materials, as ``kernels.data.Law`` holds them."""
+    modulus = 1 / sum((1 - m.poissons_ratio**2) / m.youngs_modulus for m in (one, other))
+    shear_modulus = 1 / sum((2 - m.poissons_ratio) / m.shear_modulus for m in (one, other))
+    damping = 2 * math.sqrt(5 / 6) * dashpot(surface.restitution)
+    return {
+        "modulus": modulus,
+        "shear_modulus": shear_modulus,
+        "normal_damping": damping * math.sqrt(2 * modulus),
+        "tangential_damping": damping * math.sqrt(8 * shear_modulus),
+        "friction": surface.friction,
+    }
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, where it starts, and its step.
+
+    Parameters
+    ----------
+    dt : step [s]; with a drive, period / steps_per_cycle
+    steps_per_cycle : int or None
+        A ledger row is kept every so many steps (None: only the first).
+    """
+
+    scene: Scene
+    state: State
+    dt: float
+    steps_per_cycle: int | None = None
+
+
+class Batch:
+    """Cases that advance together.  Each gives the same bits as alone."""
+
+    def __init__(self, cases: list[Case], *, max_rows: int = 1, effects: Effects | None = None):
+        self.cases = list(cases)
+        self.effects = effects or Effects(enclosure=cases[0].scene.enclosure is not None)
+        t = data.types(self.effects.real)
+        self._types = t
+        self._advance, self._synchronise = stepper(self.effects)
+        self._count_pairs, self._list_pairs = neighbour_search(self.effects)
+
+        counts = [len(case.state) for case in self.cases]
+        self._first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+        self._max_rows = max_rows
+        n, m = int(self._first[-1]), len(self.cases)
+
+        self._constants = wp.array([self._device_case(k) for k in range(m)], dtype=t.Case, device="cpu")
+        self._group = wp.array(np.repeat(np.arange(m, dtype=np.int32), counts), device="cpu")
+        self._particles = self._device_particles()
+        self._contacts = self._device_contacts()
+        self._steps = wp.zeros(m, dtype=wp.int64, device="cpu")
+        self._target = wp.zeros(m, dtype=wp.int64, device="cpu")
+        self._drifts = wp.zeros(m, dtype=t.vec3, device="cpu")
+        self._tallies = wp.zeros(m, dtype=Row, device="cpu")
+        self._rows = wp.full(m * max_rows, Row(math.nan), dtype=Row, device="cpu")
+        self._status = wp.zeros(m, dtype=wp.int32, device="cpu")
+        self._counts = wp.zeros(n + 1, dtype=wp.int32, device="cpu")
+
+        self._largest_radius = max(float(np.max(c.state.radius)) for c in self.cases)
+        self._cell = 2 * self._largest_radius * (1 + SKIN)
+        side = int(np.clip(2 * np.ceil(np.cbrt(max(counts))), 8, 128))
+        self._grid = wp.HashGrid(side, side, side, device="cpu", dtype=self.effects.real)
+
+    def _device_case(self, k: int):
+        t, case = self._types, self.cases[k]
+        scene = case.scene
+        drive = scene.drive
+        c = t.Case()
+        c.first, c.count = int(self._first[k]), len(case.state)
+        c.first_row = k * self._max_rows
+        c.cycle = case.steps_per_cycle or _NEVER
+        c.dt = case.dt
+        c.skin = SKIN * float(np.min(case.state.radius))
+        if scene.enclosure:
+            c.radius, c.height = scene.enclosure.diameter / 2, scene.enclosure.height
+        c.gravity = t.vec3(*scene.gravity)
+        if drive:
+            c.direction, c.acceleration = t.vec3(*drive.direction), drive.acceleration
+        for law, wall, surface in (
+            (c.particle_law, scene.particle, scene.particle_contact),
+            (c.wall_law, scene.wall, scene.wall_contact),
+        ):
+            for name, value in contact_constants(scene.particle, wall, surface).items():
+                setattr(law, name, value)
+        return c
+
+    def _array(self, values, dtype):
+        return wp.array(np.ascontiguousarray(values), dtype=dtype, device="cpu")
+
+    def _device_particles(self):
+        t = self._types
+        states = [case.state for case in self.cases]
+        radius = np.concatenate([s.radius for s in states])
+        mass = np.concatenate([c.scene.mass(c.state.radius) for c in self.cases])
+        p = t.Particles()
+        p.position = self._array(np.concatenate([s.position for s in states]), t.vec3)
+        for name in ("velocity", "spin"):
+            values = np.concatenate([getattr(s, name) for s in states])
+            setattr(p, name, self._array(values, t.vec3))
+            setattr(p, f"half_{name}", self._array(values, t.vec3))
+        for name in ("force", "torque", "listed"):
+            setattr(p, name, wp.zeros(len(radius), dtype=t.vec3, device="cpu"))
+        p.radius = self._array(radius, t.real)
+        p.inverse_mass = self._array(1 / mass, t.real)
+        p.inverse_inertia = self._array(2.5 / (mass * radius**2), t.real)
+        return p
+
+    def _device_contacts(self):
+        t = self._types
+        n = int(self._first[-1])
+        pairs = np.concatenate([c.state.pairs + first for c, first in zip(self.cases, self._first, strict=False)])
+        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
+        start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=n))])
+        history = np.concatenate([c.state.pair_history for c in self.cases])
+        walls = np.concatenate([c.state.wall_history for c in self.cases])
+        c = t.Contacts()
+        c.start = self._array(start.astype(np.int32), wp.int32)
+        c.partner = self._array(pairs[order, 1].astype(np.int32), wp.int32)
+        c.pair_history = self._array(history[order], t.vec4)
+        c.wall_history = self._array(walls.reshape(-1, 4), t.vec4)
+        return c
+
+    def _find_neighbours(self):
+        t, p, old = self._types, self._particles, self._contacts
+        n = int(self._first[-1])
+        self._grid.build(p.position, self._cell, groups=self._group)
+        search = [self._grid.id, self._constants, self._group, self._largest_radius, p]
+        wp.launch(self._count_pairs, n, [*search, self._counts], device="cpu")
+        fresh = t.Contacts()
+        fresh.wall_history = old.wall_history
+        fresh.start = wp.empty(n + 1, dtype=wp.int32, device="cpu")
+        wp.utils.array_scan(self._counts, fresh.start, inclusive=False)
+        total = int(fresh.start.numpy()[-1])
+        fresh.partner = wp.empty(total, dtype=wp.int32, device="cpu")
+        fresh.pair_history = wp.empty(total, dtype=t.vec4, device="cpu")
+        wp.launch(self._list_pairs, n, [*search, old, fresh, self._drifts], device="cpu")
+        self._contacts = fresh
+
+    @property
+    def steps(self) -> np.ndarray:
+        """Step number that each case has reached."""
+        return self._steps.numpy().copy()
+
+    @property
+    def status(self) -> np.ndarray:
+        """``kernels.data.OK`` or ``NOT_FINITE`` for each case."""
+        return self._status.numpy().copy()
+
+    def advance(self, steps) -> None:
+        """Run every case on to its step number in ``steps`` (one for all, or one each).
+
+        A case whose state is no longer finite stops where it is; see ``status``.
+        """
+        self._target.assign(np.broadcast_to(np.asarray(steps, np.int64), len(self.cases)).copy())
+        done, target, status = self._steps.numpy(), self._target.numpy(), self._status.numpy()
+        while np.any(done < target):
+            self._find_neighbours()
+            wp.launch(
+                self._advance,
+                len(self.cases),
+                [self._constants, self._target, self._particles, self._contacts]
+                + [self._steps, self._drifts, self._tallies, self._rows, self._status],
+                device="cpu",
+            )
+            target[status != data.OK] = done[status != data.OK]
+
+    def cycles(self, k: int) -> Ledger:
+        """Ledger of case ``k`` at its start and at the end of each cycle so far."""
+        reached = int(self._steps.numpy()[k]) // (self.cases[k].steps_per_cycle or _NEVER)
+        first = k * self._max_rows
+        return Ledger(self._rows.numpy()[first : first + reached + 1].copy())
+
+    def read(self) -> list[tuple[State, Ledger]]:
+        """State and ledger of every case now, velocities brought to the whole step.
+
+        Works on copies: reading never changes what comes after.
+        """
+        self._find_neighbours()
+        p, c, t = self._particles, self._contacts, self._types
+        copy_p, copy_c = t.Particles(), t.Contacts()
+        for name in t.Particles.vars:
+            setattr(copy_p, name, wp.clone(getattr(p, name)))
+        for name in t.Contacts.vars:
+            setattr(copy_c, name, wp.clone(getattr(c, name)))
+        tallies = wp.clone(self._tallies)
+        wp.launch(
+            self._synchronise,
+            len(self.cases),
+            [self._constants, self._steps, copy_p, copy_c, tallies],
+            device="cpu",
+        )
+        return [self._read_case(k, copy_p, copy_c, tallies) for k in range(len(self.cases))]
+
+    def _read_case(self, k, p, c, tallies):
+        first, last = self._first[k], self._first[k + 1]
+        start, history = c.start.numpy(), c.pair_history.numpy().astype(float)
+        a, b = start[first], start[last]
+        pairs = np.stack([np.repeat(np.arange(last - first), np.diff(start[first : last + 1])), c.partner.numpy()[a:b] - first], 1)
+        touching = history[a:b, 3] > 0
+        state = State(
+            position=p.position.numpy()[first:last].astype(float),
+            velocity=p.half_velocity.numpy()[first:last].astype(float),
+            spin=p.half_spin.numpy()[first:last].astype(float),
+            radius=p.radius.numpy()[first:last].astype(float),
+            pairs=pairs[touching],
+            pair_history=history[a:b][touching],
+            wall_history=c.wall_history.numpy()[3 * first : 3 * last].astype(float).reshape(-1, 3, 4),
+        )
+        return state, Ledger(tallies.numpy()[k : k + 1].astype(float).copy())
+
+
+class Simulation(Batch):
+    """One scene from a given start: the researcher's door.
+
+    Parameters
+    ----------
+    scene : Scene
+    state : State
+    dt : step [s]
+
+    Examples
+    --------
+    >>> ball = State.at_rest([[0, 0, 0.02]], radius=0.00373)
+    >>> simulation = Simulation(scene, ball, dt=1e-6)
+    >>> simulation.advance(10_000)
+    >>> state, ledger = simulation.read()
+    """
+
+    def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None):
+        super().__init__([Case(scene, state, dt)], effects=effects)
+        self._start = super().read()[0][1].rows
+
+    def advance(self, steps: int) -> None:
+        """Run ``steps`` more steps; raises ``FloatingPointError`` if the state is no longer finite."""
+        super().advance(int(self.steps[0]) + steps)
+        if self.status[0] != data.OK:
+            raise FloatingPointError(
+                f"state is not finite at step {self.steps[0]}: take a smaller step than {self.cases[0].dt:g} s, "
+                "or look for particles that start in deep overlap"
+            )
+
+    def read(self) -> tuple[State, Ledger]:
+        """State now, and the ledger's rows at the start and now."""
+        state, ledger = super().read()[0]
+        return state, Ledger(np.concatenate([self._start, ledger.rows]))

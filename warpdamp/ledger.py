@@ -1,0 +1,92 @@
+"""The energy ledger as read on the host: rows of running totals, and what lies between two of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .kernels.data import COLUMNS, LOSSES, STORES
+from .scene import Drive
+
+_AT = {name: k for k, name in enumerate(COLUMNS)}
+CHANNELS = tuple(f"{where}_{name}" for where in ("particle", "wall") for name in LOSSES)
+"""Where energy is lost: between particles or at the walls, by each of ``LOSSES``."""
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Running totals of one case at a number of moments.
+
+    Parameters
+    ----------
+    rows : (moments, columns) array
+        See ``warpdamp.kernels.data.COLUMNS``.
+    """
+
+    rows: np.ndarray
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.rows[:, _AT[name]]
+
+    def total(self, names) -> np.ndarray:
+        """Sum of the named columns at every moment."""
+        return self.rows[:, [_AT[name] for name in names]].sum(axis=1)
+
+    @property
+    def dissipated(self) -> np.ndarray:
+        """All channels together, since step 0 [J]."""
+        return self.total(CHANNELS)
+
+    @property
+    def stored(self) -> np.ndarray:
+        """Kinetic, gravitational and elastic energy [J]."""
+        return self.total(STORES)
+
+    @property
+    def residual(self) -> np.ndarray:
+        """Work put in, less what was lost and what the store gained, since the first moment [J]."""
+        balance = self["work_input"] - self.dissipated - self.stored
+        return balance - balance[0]
+
+    def per_cycle(self) -> np.ndarray:
+        """Energy dissipated in each interval between moments [J]."""
+        return np.diff(self.dissipated)
+
+    def between(self, first: int, last: int) -> Ledger:
+        """The moments ``first`` .. ``last``, both included."""
+        return Ledger(self.rows[first : last + 1])
+
+    def change(self, name: str) -> float:
+        """Of one column from the first moment to the last."""
+        return float(self[name][-1] - self[name][0])
+
+    def reaction(self, drive: Drive) -> complex:
+        """First harmonic F1 of the force of the particles on the enclosure [N], moments one cycle apart.
+
+        The enclosure is at x = Re(X exp(j w t')), so that -pi X Im(F1) is the work done on the particles per cycle
+        and Re(F1) / (w^2 X) the apparent mass.
+        """
+        time = (len(self.rows) - 1) / drive.frequency
+        return complex(self.change("reaction_sine"), self.change("reaction_cosine")) * 2 / time
+
+
+def maximum_energy(drive: Drive, mass: float) -> float:
+    """Energy per cycle of the ideal impact damper, 4 (Gamma g / w)^2 m [J] (eq. 5)."""
+    return 4 * drive.speed**2 * mass
+
+
+def normalised_damping(energy: float, drive: Drive, total_mass: float) -> float:
+    """Energy per cycle over 0.5 m_total (Gamma g / w)^2 (eq. 19 with the square on the bracket's inside only)."""
+    return energy / (0.5 * total_mass * drive.speed**2)
+
+
+def apparent_mass(reaction: complex, drive: Drive) -> float:
+    """Re(F1) / (w^2 X) [kg]: what the structure feels in phase with its acceleration."""
+    return reaction.real / drive.acceleration
+
+
+def harmonic_work(reaction: complex, drive: Drive) -> float:
+    """-pi X Im(F1), the work per cycle as the reaction's first harmonic tells it [J]."""
+    return -math.pi * drive.displacement * reaction.imag
