@@ -48,7 +48,12 @@ def shortest_contact(scene: Scene, radius, speed: float) -> float:
     return min(contact_time(pair, smallest / 2, mass / 2, speed), contact_time(wall, smallest, mass, speed))
 
 
+def contact_step(scene: Scene, radius, *, steps_per_contact: float = STEPS_PER_CONTACT) -> float:
+    """Largest step [s] that resolves the shortest contact expected."""
+    return shortest_contact(scene, radius, expected_speed(scene, radius)) / steps_per_contact
+
+
 def steps_per_cycle(scene: Scene, radius, *, steps_per_contact: float = STEPS_PER_CONTACT) -> int:
-    """Smallest whole number of steps a cycle that resolves the shortest contact expected."""
-    dt = shortest_contact(scene, radius, expected_speed(scene, radius)) / steps_per_contact
+    """Smallest whole number of steps a cycle that are no longer than ``contact_step``."""
+    dt = contact_step(scene, radius, steps_per_contact=steps_per_contact)
     return math.ceil(1 / (scene.drive.frequency * dt))

@@ -1,0 +1,349 @@
+"""The configuration: YAML in, validated models out, and errors that name file, line and column."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from .units import Acceleration, Density, Frequency, Length, Mass, Number, Pressure, Time
+
+
+class ConfigError(ValueError):
+    """What is wrong with a configuration: one line an error, each with its place."""
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def _swept(kind, *constraints):
+    """One value, or a list of different ones that becomes an axis."""
+    one = Annotated[kind, *constraints]
+    return one | Annotated[list[one], Field(min_length=1)]
+
+
+_positive, _not_negative = Field(gt=0), Field(ge=0)
+
+
+class MaterialConfig(_Model):
+    """An isotropic elastic material."""
+
+    density: _swept(Density, _positive)
+    youngs_modulus: _swept(Pressure, _positive)
+    poissons_ratio: _swept(Number, Field(gt=-1, lt=0.5))
+
+
+class SurfaceConfig(_Model):
+    """Restitution and sliding friction of a contact."""
+
+    restitution: _swept(Number, Field(ge=0, le=1))
+    friction: _swept(Number, _not_negative)
+
+
+class ContactConfig(SurfaceConfig):
+    """Of particles with each other and, unless ``walls`` says otherwise, with the walls."""
+
+    walls: SurfaceConfig | None = None
+
+
+class BeamConfig(_Model):
+    """A beam of rectangular section that bends across its thickness."""
+
+    length: Annotated[Length, _positive]
+    width: Annotated[Length, _positive]
+    thickness: Annotated[Length, _positive]
+    material: str
+    supports: tuple[Literal["clamped", "free"], Literal["clamped", "free"]] = ("clamped", "clamped")
+
+    @model_validator(mode="after")
+    def _held(self):
+        if "clamped" not in self.supports:
+            raise ValueError("supports: a beam that is free at both ends is not held: clamp one end")
+        return self
+
+
+class PointMassConfig(_Model):
+    """The empty damper and its fixtures."""
+
+    mass: Annotated[Mass, _not_negative]
+    position: Annotated[Length, _positive]
+
+
+class StructureConfig(_Model):
+    """The vibrating structure that the damper sits on."""
+
+    beam: BeamConfig
+    point_mass: PointMassConfig
+    modes: Annotated[list[Annotated[int, Field(ge=1, le=20)]], Field(min_length=1)]
+    inherent_damping: Annotated[Number, _not_negative] | list[Annotated[Number, _not_negative]] = 0.0
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        if not self.point_mass.position < self.beam.length:
+            raise ValueError("point_mass.position: lies beyond the end of the beam")
+        if len(set(self.modes)) < len(self.modes):
+            raise ValueError("modes: each mode once")
+        if isinstance(self.inherent_damping, list) and len(self.inherent_damping) != len(self.modes):
+            raise ValueError(
+                f"inherent_damping: {len(self.inherent_damping)} values for {len(self.modes)} modes: "
+                "give one, or one per mode"
+            )
+        return self
+
+    def inherent(self) -> list[float]:
+        """Inherent damping ratio of each mode."""
+        given = self.inherent_damping
+        return given if isinstance(given, list) else [given] * len(self.modes)
+
+
+class EnclosureConfig(_Model):
+    """A cylindrical cavity, shaken along its axis."""
+
+    diameter: Annotated[Length, _positive]
+    height: Annotated[Length, _positive]
+    material: str
+
+
+class ParticlesConfig(_Model):
+    """Equal spheres."""
+
+    count: Annotated[int, Field(ge=1)]
+    radius: Annotated[Length, _positive]
+    material: str
+
+
+class DamperConfig(_Model):
+    """The cavity and what is in it."""
+
+    enclosure: EnclosureConfig
+    particles: ParticlesConfig
+
+    @model_validator(mode="after")
+    def _fits(self):
+        room = min(self.enclosure.diameter, self.enclosure.height)
+        if 2 * self.particles.radius >= room:
+            raise ValueError(
+                f"particles.radius: particles of diameter {2e3 * self.particles.radius:g} mm are larger than the cavity "
+                f"({1e3 * self.enclosure.diameter:g} x {1e3 * self.enclosure.height:g} mm)"
+            )
+        volume = self.particles.count * 4 / 3 * math.pi * self.particles.radius**3
+        cavity = math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height
+        if volume > 0.74 * cavity:
+            raise ValueError(
+                f"particles.count: too many particles: they would fill {volume / cavity:.3f} of the cavity, and not even a crystal "
+                f"fills more than 0.740; take at most {math.floor(0.74 * cavity / volume * self.particles.count)}"
+            )
+        return self
+
+
+class ExcitationConfig(_Model):
+    """Sinusoidal motion along the axis of the cavity, which stands upright."""
+
+    gamma: _swept(Number, _positive)
+    frequency: Literal["modes"] | _swept(Frequency, _positive) = "modes"
+    gravity: _swept(Acceleration, _not_negative) = 9.81
+
+
+class SteadyConfig(_Model):
+    """When a case is done.  ``paper``: fixed times, 0.2 s of settling and 0.3 s of shaking, for comparison."""
+
+    recipe: Literal["detect", "paper"] = "detect"
+    standard_error: Annotated[Number, _positive] = 0.02
+    fewest_cycles: Annotated[int, Field(ge=8)] = 30
+    most_cycles: Annotated[int, Field(ge=8)] = 120
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if self.most_cycles < self.fewest_cycles:
+            raise ValueError(f"most_cycles: is below fewest_cycles ({self.fewest_cycles})")
+        return self
+
+
+class NumericsConfig(_Model):
+    """Precision and step of the motion."""
+
+    precision: Literal["float64", "float32"] = "float64"
+    steps_per_contact: Annotated[Number, Field(ge=10)] = 20.0
+    step: Literal["auto"] | Annotated[Time, _positive] = "auto"
+
+
+class Config(_Model):
+    """A study: a damper, how it is shaken, and the structure it sits on."""
+
+    title: str = "Granular damper"
+    structure: StructureConfig | None = None
+    damper: DamperConfig
+    materials: Annotated[dict[str, MaterialConfig], Field(min_length=1)]
+    contact: ContactConfig
+    excitation: ExcitationConfig
+    preparation: Literal["loose", "compacted", "carried"] = "compacted"
+    steady_state: SteadyConfig = SteadyConfig()
+    numerics: NumericsConfig = NumericsConfig()
+    seeds: Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=1)] = [1]
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        named = {"damper.enclosure.material": self.damper.enclosure.material}
+        named["damper.particles.material"] = self.damper.particles.material
+        if self.structure:
+            named["structure.beam.material"] = self.structure.beam.material
+        for place, name in named.items():
+            if name not in self.materials:
+                raise ValueError(f"{place}: there is no material '{name}'{_suggestion(name, self.materials)}")
+        if self.structure and any(isinstance(v, list) for v in vars(self.materials[self.structure.beam.material]).values()):
+            raise ValueError("structure.beam.material: the structure's material cannot be swept")
+        if self.excitation.frequency == "modes" and not self.structure:
+            raise ValueError("excitation.frequency: 'modes' needs a structure; give frequencies, as [46 Hz, 100 Hz]")
+        if len(set(self.seeds)) < len(self.seeds):
+            raise ValueError("seeds: each seed once")
+        if self.steady_state.recipe == "paper" and self.preparation != "loose":
+            raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
+        return self
+
+
+def load(path) -> Config:
+    """Read and validate a YAML file.
+
+    Raises
+    ------
+    ConfigError
+        One line for every error: file:line:column: key: what is wrong.
+    """
+    path = Path(path)
+    data = _read(path)
+    try:
+        return Config.model_validate(_plain(data))
+    except ValidationError as error:
+        lines = [f"{path}:{_place(data, e['loc'])}: {_explained(e)}" for e in _telling(error.errors(), data)]
+        raise ConfigError("\n".join(lines)) from None
+
+
+def _read(path: Path):
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    try:
+        data = YAML(typ="rt").load(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        raise ConfigError(f"{path}:{mark.line + 1}:{mark.column + 1}: not YAML: {error.problem}") from None
+    except (YAMLError, ValueError) as error:
+        raise ConfigError(f"{path}: not YAML: {error}") from None
+    if not isinstance(data, dict):
+        raise ConfigError(f"{path}:1:1: not a warpdamp configuration: expected keys such as 'damper:' at the top level")
+    return data
+
+
+def _plain(node: Any) -> Any:
+    """The YAML tree as plain dicts, lists and scalars."""
+    if isinstance(node, dict):
+        return {str(key): _plain(value) for key, value in node.items()}
+    if isinstance(node, list):
+        return [_plain(value) for value in node]
+    if isinstance(node, bool) or node is None:
+        return node
+    for kind in (int, float, str):
+        if isinstance(node, kind):
+            return kind(node)
+    return str(node)
+
+
+def _keys(data, loc) -> list:
+    """The part of a pydantic location that exists in the YAML tree (unions add names of their own)."""
+    keys, node = [], data
+    for part in loc:
+        if isinstance(node, dict) and part in node:
+            node = node[part]
+            keys.append(part)
+        elif isinstance(node, list) and isinstance(part, int) and part < len(node):
+            node = node[part]
+            keys.append(part)
+    return keys
+
+
+def _place(data, loc) -> str:
+    """line:column of the innermost key of a location."""
+    node, place = data, (0, 0)
+    for key in _keys(data, loc):
+        place = node.lc.item(key) if isinstance(key, int) else node.lc.key(key)
+        node = node[key]
+    return f"{place[0] + 1}:{place[1] + 1}"
+
+
+def _telling(errors, data):
+    """The errors worth a line: one a place, the most telling branch of a union, no echo of a misspelt key."""
+    best: dict = {}
+    for error in errors:
+        loc = tuple(part for part in error["loc"] if not _is_union_name(part))
+        loc, message = _pointed(loc, error["msg"].removeprefix("Value error, "), data)
+        rank = error["type"] in ("list_type", "literal_error")
+        if loc not in best or rank < best[loc][0]:
+            best[loc] = (rank, error | {"loc": loc, "msg": message})
+    misspelt = {
+        (*loc[:-1], _closest(loc[-1], _known_keys(loc[:-1])))
+        for loc, (_, error) in best.items()
+        if error["type"] == "extra_forbidden"
+    }
+    return [
+        error
+        for loc, (_, error) in best.items()
+        if not (error["type"] == "missing" and loc in misspelt)
+        and not (loc and any(other != loc and other[: len(loc)] == loc for other in best))
+    ]
+
+
+def _pointed(loc, message, data):
+    """A model's error that starts with a key of its own ("modes: each mode once") is placed at that key."""
+    head, _, rest = message.partition(": ")
+    target = (*loc, *head.split("."))
+    if rest and len(_keys(data, target)) == len(target):
+        return target, rest
+    return loc, message
+
+
+def _is_union_name(part) -> bool:
+    return isinstance(part, str) and ("[" in part or part in ("float", "int", "list"))
+
+
+def _explained(error) -> str:
+    key = ".".join(str(part) for part in error["loc"])
+    kind, given = error["type"], error.get("input")
+    if kind == "extra_forbidden":
+        return f"{key}: unknown key{_suggestion(error['loc'][-1], _known_keys(error['loc'][:-1]))}"
+    if kind == "missing":
+        return f"{key}: missing"
+    message = error["msg"]
+    if kind == "literal_error":
+        message = f"'{given}' is not one of {error['ctx']['expected']}"
+    elif kind != "value_error":
+        message = f"{message[0].lower()}{message[1:]}, got {given!r}"
+    return f"{key}: {message}" if key else message
+
+
+def _known_keys(loc) -> list[str]:
+    """Keys allowed at a location, from the models' own fields."""
+    model: Any = Config
+    for part in loc:
+        field = getattr(model, "model_fields", {}).get(part)
+        candidates = [field.annotation, *getattr(field.annotation, "__args__", ())] if field else [MaterialConfig]
+        model = next((c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel)), None)
+        if model is None:
+            return list(MaterialConfig.model_fields)
+    return list(model.model_fields)
+
+
+def _closest(name, known) -> str | None:
+    return next(iter(difflib.get_close_matches(str(name), list(known), n=1)), None)
+
+
+def _suggestion(name, known) -> str:
+    close = _closest(name, known)
+    return f"; did you mean '{close}'?" if close else f"; choose from {', '.join(known)}"

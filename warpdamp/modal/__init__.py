@@ -1,0 +1,1 @@
+"""From structures to modes, and from dissipated energy to modal damping."""

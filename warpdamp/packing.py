@@ -1,0 +1,308 @@
+"""Beds: particles that fit the closed cavity, settled, and prepared in a stated way.
+
+``loose``
+    Made inside the closed cavity without overlap, then settled under gravity with the friction of the scene.
+``compacted``
+    The loose bed shaken along the cavity's axis at Gamma = 6 with an amplitude of a tenth of a particle's diameter, in
+    blocks of 20 cycles, each followed by rest; done, after 10 blocks at the least and 24 at most, when the mean height
+    at rest over the last four blocks is no more than a quarter of a percent of a diameter below that over the four
+    blocks before.  A bed that has been shaken for some time, as any damper in service has.
+
+Every bed is reproducible from its inputs, and is kept on disk under their hash.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import math
+import os
+import tempfile
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from . import PHYSICS_VERSION
+from .effects import Effects
+from .engine import Batch, Case
+from .kernels.data import OK
+from .scene import STANDARD_GRAVITY, Cylinder, Drive, Scene, State
+from .timestep import contact_step, steps_per_cycle
+
+Preparation = Literal["loose", "compacted"]
+
+GROWN = 1.003
+"""Beds are made with radii this much larger, so that the true ones start apart and release no energy."""
+
+SHAKING_GAMMA = 6.0
+SHAKING_AMPLITUDE = 0.1  # of a diameter
+BLOCK = 20  # cycles
+WINDOW = 4  # blocks
+STILL = 0.0025  # of a diameter
+FEWEST_BLOCKS, MOST_BLOCKS = 10, 24
+
+RESTING_ENERGY = 1e-5
+"""A bed is at rest when its mean kinetic energy per particle is below this part of m g R."""
+LONGEST_REST = 3.0  # [s]
+
+_log = logging.getLogger(__name__)
+
+
+class PackingError(ValueError):
+    """The particles do not fit, or do not come to rest."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """All that a bed depends on.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its drive does not matter.
+    radius : tuple of floats [m]
+    seed : int
+    preparation : "loose" or "compacted"
+    settling_time : [s] or None
+        A fixed time to settle in, as in the paper, instead of until at rest.
+    effects : Effects
+    """
+
+    scene: Scene
+    radius: tuple[float, ...]
+    seed: int
+    preparation: Preparation = "compacted"
+    settling_time: float | None = None
+    effects: Effects = Effects()
+
+    def key(self) -> str:
+        """Hash of the inputs and of the version of the physics."""
+        values = asdict(self) | {"scene": asdict(self.scene.driven(None)), "physics": PHYSICS_VERSION}
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:24]
+
+
+@dataclass(frozen=True)
+class Packing:
+    """A bed at rest.
+
+    Parameters
+    ----------
+    state : State
+    clearance : float [m]
+        How far its centre of mass travels between rest on the floor and rest against the lid.
+    blocks : int
+        Blocks of shaking that it took (0: loose).
+    """
+
+    state: State
+    clearance: float
+    blocks: int
+
+
+def cache_folder() -> Path:
+    """Where beds are kept: ``$WARPDAMP_CACHE``, or the user's cache folder."""
+    base = os.environ.get("WARPDAMP_CACHE") or Path(os.environ.get("XDG_CACHE_HOME", "~/.cache")).expanduser() / "warpdamp"
+    return Path(base) / "beds"
+
+
+def prepare(request: Request) -> Packing:
+    """The bed of a request, from disk if it was made before.
+
+    Raises
+    ------
+    PackingError
+        If the particles do not fit (with the fill asked for and the fill reached) or do not come to rest.
+    """
+    path = cache_folder() / f"{request.key()}.npz"
+    if path.exists():
+        with np.load(path) as stored:
+            values = dict(stored)
+        return Packing(
+            clearance=float(values.pop("clearance")), blocks=int(values.pop("blocks")), state=State(**values)
+        )
+    packing = _make(request)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
+        np.savez(file, clearance=packing.clearance, blocks=packing.blocks, **vars(packing.state))
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(file.name, path)
+    return packing
+
+
+def _make(request: Request) -> Packing:
+    scene = request.scene
+    position = separate(request.radius, scene.enclosure, request.seed)
+    state = State.at_rest(position, request.radius)
+    if not any(scene.gravity):
+        if request.preparation == "compacted":
+            raise PackingError("a bed cannot be compacted without gravity: ask for preparation: loose")
+        return Packing(state, measured_clearance(scene, state, request.effects), 0)
+
+    state = settle(scene, state, request.effects, time=request.settling_time)
+    blocks = 0
+    if request.preparation == "compacted":
+        state, blocks = compact(scene, state, request.effects)
+    return Packing(state, measured_clearance(scene, state, request.effects), blocks)
+
+
+def fill(radius, enclosure: Cylinder) -> float:
+    """Volume of the particles over the cavity's."""
+    return float(np.sum(4 / 3 * np.pi * np.asarray(radius) ** 3)) / enclosure.volume
+
+
+def separate(radius, enclosure: Cylinder, seed: int) -> np.ndarray:
+    """Random positions in the closed cavity without any overlap, (n, 3) [m].
+
+    Random points are pushed apart as slightly grown soft spheres by the FIRE minimiser (Bitzek et al. 2006,
+    doi:10.1103/PhysRevLett.97.170201).
+
+    Raises
+    ------
+    PackingError
+        If they do not fit; names the largest fill that was reached.
+    """
+    radius = np.asarray(radius, float)
+    rng = np.random.default_rng(seed)
+    reach = enclosure.diameter / 2 - radius
+    if np.any(reach <= 0) or np.any(2 * radius >= enclosure.height):
+        raise PackingError(
+            f"a particle of diameter {2e3 * radius.max():g} mm does not fit a cavity of "
+            f"{1e3 * enclosure.diameter:g} x {1e3 * enclosure.height:g} mm"
+        )
+    rho = reach * np.sqrt(rng.random(len(radius)))
+    angle = 2 * np.pi * rng.random(len(radius))
+    z = radius + (enclosure.height - 2 * radius) * rng.random(len(radius))
+    start = np.stack([rho * np.cos(angle), rho * np.sin(angle), z], axis=1)
+
+    position, fits = _push_apart(start, GROWN * radius, enclosure)
+    if fits:
+        return position
+    low, high = 0.0, 1.0  # scale of the radii
+    for _ in range(7):
+        middle = (low + high) / 2
+        _, fits = _push_apart(start, middle * GROWN * radius, enclosure)
+        low, high = (middle, high) if fits else (low, middle)
+    asked = fill(radius, enclosure)
+    raise PackingError(
+        f"too many particles: they would fill {asked:.3f} of the cavity, and random packing reached "
+        f"{asked * low**3:.3f}; take at most {math.floor(len(radius) * low**3)} of them, or a larger cavity"
+    )
+
+
+def _push_apart(position, radius, enclosure, most: int = 6000):
+    """Minimise the overlaps; returns positions and whether the ungrown spheres are apart.  Lengths in the mean radius."""
+    unit = float(np.mean(radius))
+    x, r = position / unit, radius / unit
+    half, height = enclosure.diameter / 2 / unit, enclosure.height / unit
+    allowed = 0.9 * (1 - 1 / GROWN)  # overlap of the grown spheres that leaves the true ones apart
+    v, dt, mixing, downhill = np.zeros_like(x), 0.1, 0.1, 0
+    for _ in range(most):
+        force, worst = _overlap_forces(x, r, half, height)
+        if worst < allowed:
+            return x * unit, True
+        if np.vdot(force, v) > 0:
+            downhill += 1
+            v = (1 - mixing) * v + mixing * force * np.linalg.norm(v) / np.linalg.norm(force)
+            if downhill > 5:
+                dt, mixing = min(1.1 * dt, 0.5), 0.99 * mixing
+        else:
+            v, dt, mixing, downhill = np.zeros_like(x), 0.5 * dt, 0.1, 0
+        v = v + dt * force
+        x = x + dt * v
+    return x * unit, False
+
+
+def _overlap_forces(x, r, half, height):
+    """Repulsion equal to the overlaps, and the largest overlap over the smaller radius (walls: twice)."""
+    force = np.zeros_like(x)
+    worst = 0.0
+    pairs = cKDTree(x).query_pairs(2 * r.max(), output_type="ndarray")
+    if len(pairs):
+        i, j = pairs.T
+        branch = x[i] - x[j]
+        distance = np.maximum(np.linalg.norm(branch, axis=1), 1e-12)
+        overlap = np.maximum(r[i] + r[j] - distance, 0)
+        push = branch * (overlap / distance)[:, None]
+        for axis in range(3):
+            force[:, axis] += np.bincount(i, push[:, axis], len(x)) - np.bincount(j, push[:, axis], len(x))
+        worst = np.max(overlap / (r[i] + r[j]))
+    rho = np.maximum(np.hypot(x[:, 0], x[:, 1]), 1e-12)
+    side = np.maximum(rho + r - half, 0)
+    force[:, :2] -= (side / rho)[:, None] * x[:, :2]
+    floor, lid = np.maximum(r - x[:, 2], 0), np.maximum(x[:, 2] + r - height, 0)
+    force[:, 2] += floor - lid
+    return force, max(worst, np.max(np.maximum(np.maximum(side, floor), lid) / r))
+
+
+def settle(scene: Scene, state: State, effects: Effects, *, time: float | None = None) -> State:
+    """Let a bed come to rest (or fall for a fixed ``time`` [s]) under the scene's gravity, enclosure at rest."""
+    dt = contact_step(scene.driven(None), state.radius)
+    batch = Batch([Case(scene.driven(None), state, dt)], effects=effects)
+    if time is not None:
+        _run(batch, math.ceil(time / dt))
+        return batch.read()[0][0]
+    gravity = float(np.linalg.norm(scene.gravity))
+    mass = scene.mass(state.radius)
+    resting = RESTING_ENERGY * float(np.sum(mass * state.radius)) * gravity
+    pause = math.ceil(0.03 / dt)
+    for steps in range(pause, math.ceil(LONGEST_REST / dt) + pause, pause):
+        _run(batch, steps)
+        state, ledger = batch.read()[0]
+        kinetic = float(ledger["kinetic_translation"][0] + ledger["kinetic_rotation"][0])
+        if kinetic < resting:
+            return state
+    raise PackingError(
+        f"the bed does not come to rest within {LONGEST_REST:g} s: kinetic energy {kinetic:.2g} J, at rest below "
+        f"{resting:.2g} J; give the contacts a restitution below 1"
+    )
+
+
+def compact(scene: Scene, state: State, effects: Effects) -> tuple[State, int]:
+    """Shake a settled bed until its height at rest no longer falls; see the head of this module."""
+    diameter = 2 * float(np.mean(state.radius))
+    gravity = float(np.linalg.norm(scene.gravity))
+    acceleration = SHAKING_GAMMA * gravity
+    frequency = math.sqrt(acceleration / (SHAKING_AMPLITUDE * diameter)) / (2 * math.pi)
+    shaken = scene.driven(Drive(frequency, acceleration))
+    heights = [_height(scene, state)]
+    for block in range(1, MOST_BLOCKS + 1):
+        steps = steps_per_cycle(shaken, state.radius)
+        batch = Batch([Case(shaken, state, 1 / (frequency * steps), steps)], max_rows=BLOCK + 1, effects=effects)
+        _run(batch, BLOCK * steps)
+        state = settle(scene, batch.read()[0][0], effects)
+        heights.append(_height(scene, state))
+        fallen = np.mean(heights[-2 * WINDOW : -WINDOW]) - np.mean(heights[-WINDOW:])
+        if block >= FEWEST_BLOCKS and fallen < STILL * diameter:
+            return state, block
+    _log.warning("bed still compacting after %d blocks of %d cycles of shaking", MOST_BLOCKS, BLOCK)
+    return state, MOST_BLOCKS
+
+
+def _run(batch: Batch, steps: int) -> None:
+    batch.advance(steps)
+    if batch.status[0] != OK:
+        raise PackingError("the bed blew up while it was prepared: take a smaller step (numerics.steps_per_contact)")
+
+
+def _height(scene: Scene, state: State) -> float:
+    """Of the centre of mass against gravity [m]."""
+    up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
+    return float(np.average(state.position @ up, weights=scene.mass(state.radius)))
+
+
+def measured_clearance(scene: Scene, state: State, effects: Effects) -> float:
+    """How far the centre of mass travels along the axis between rest on the floor and rest against the lid [m].
+
+    Standard gravity along the axis, down and then up, whatever the scene's own.
+    """
+    heights = []
+    for pull in (-STANDARD_GRAVITY, STANDARD_GRAVITY):
+        upright = Scene(**{**vars(scene), "gravity": (0.0, 0.0, pull)})
+        state = settle(upright, state, effects)
+        heights.append(float(np.average(state.position[:, 2], weights=scene.mass(state.radius))))
+    return heights[1] - heights[0]
