@@ -49,9 +49,7 @@ def contact_law(effects):
         return flat
 
     @wp.func
-    def friction(
-        stiffness: real, damping: real, limit: real, held: vec3, trial: vec3, velocity: vec3, h: real
-    ):
+    def friction(stiffness: real, damping: real, limit: real, held: vec3, trial: vec3, velocity: vec3, h: real):
         """Tangential force, the stretch after the step, and the energy lost to dashpot and slip.
 
         ``held`` and ``trial`` are the stretch before the step and after it without friction's limit.
@@ -140,9 +138,7 @@ def contact_law(effects):
             slip_velocity,
             h,
         )
-        given_up = real(4.0) * law.shear_modulus * (
-            old_a * wp.dot(stretch, stretch) - a * wp.dot(held, held)
-        )
+        given_up = real(4.0) * law.shear_modulus * (old_a * wp.dot(stretch, stretch) - a * wp.dot(held, held))
         return (
             normal_force * normal + tangential_force,
             vec4(stretch_after[0], stretch_after[1], stretch_after[2], a),

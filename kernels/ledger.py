@@ -31,7 +31,7 @@ Row = wp.types.vector(len(COLUMNS), wp.float64)
 def ledger(effects):
     """Return ``stored`` for the given effects."""
     t = types(effects.real)
-    real, vec3 = t.real, t.vec3
+    real = t.real
     Case, Particles, Contacts = t.Case, t.Particles, t.Contacts
     _, pair_energy = pair_contacts(effects)
     _, wall_energy = wall_contacts(effects)

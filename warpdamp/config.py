@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
 from .units import Acceleration, Density, Frequency, Length, Mass, Number, Pressure, Time
 
@@ -127,15 +127,16 @@ class DamperConfig(_Model):
         room = min(self.enclosure.diameter, self.enclosure.height)
         if 2 * self.particles.radius >= room:
             raise ValueError(
-                f"particles.radius: particles of diameter {2e3 * self.particles.radius:g} mm are larger than the cavity "
-                f"({1e3 * self.enclosure.diameter:g} x {1e3 * self.enclosure.height:g} mm)"
+                f"particles.radius: particles of diameter {2e3 * self.particles.radius:g} mm are larger than the "
+                f"cavity ({1e3 * self.enclosure.diameter:g} x {1e3 * self.enclosure.height:g} mm)"
             )
         volume = self.particles.count * 4 / 3 * math.pi * self.particles.radius**3
         cavity = math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height
         if volume > 0.74 * cavity:
+            most = math.floor(0.74 * cavity / volume * self.particles.count)
             raise ValueError(
-                f"particles.count: too many particles: they would fill {volume / cavity:.3f} of the cavity, and not even a crystal "
-                f"fills more than 0.740; take at most {math.floor(0.74 * cavity / volume * self.particles.count)}"
+                f"particles.count: too many particles: they would fill {volume / cavity:.3f} of the cavity, and not "
+                f"even a crystal fills more than 0.740; take at most {most}"
             )
         return self
 
@@ -185,6 +186,15 @@ class Config(_Model):
     numerics: NumericsConfig = NumericsConfig()
     seeds: Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=1)] = [1]
 
+    _source: tuple[Path, Any] | None = PrivateAttr(default=None)
+
+    def error(self, key: str, message: str) -> ConfigError:
+        """An error at a dotted key, with file, line and column where the configuration came from a file."""
+        if self._source is None:
+            return ConfigError(f"{key}: {message}")
+        path, data = self._source
+        return ConfigError(f"{path}:{_place(data, key.split('.'))}: {key}: {message}")
+
     @model_validator(mode="after")
     def _consistent(self):
         named = {"damper.enclosure.material": self.damper.enclosure.material}
@@ -194,7 +204,8 @@ class Config(_Model):
         for place, name in named.items():
             if name not in self.materials:
                 raise ValueError(f"{place}: there is no material '{name}'{_suggestion(name, self.materials)}")
-        if self.structure and any(isinstance(v, list) for v in vars(self.materials[self.structure.beam.material]).values()):
+        held = self.materials[self.structure.beam.material] if self.structure else None
+        if held and any(isinstance(value, list) for value in vars(held).values()):
             raise ValueError("structure.beam.material: the structure's material cannot be swept")
         if self.excitation.frequency == "modes" and not self.structure:
             raise ValueError("excitation.frequency: 'modes' needs a structure; give frequencies, as [46 Hz, 100 Hz]")
@@ -216,10 +227,12 @@ def load(path) -> Config:
     path = Path(path)
     data = _read(path)
     try:
-        return Config.model_validate(_plain(data))
+        config = Config.model_validate(_plain(data))
     except ValidationError as error:
         lines = [f"{path}:{_place(data, e['loc'])}: {_explained(e)}" for e in _telling(error.errors(), data)]
         raise ConfigError("\n".join(lines)) from None
+    config._source = (path, data)
+    return config
 
 
 def _read(path: Path):
@@ -228,8 +241,10 @@ def _read(path: Path):
 
     try:
         text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: not YAML: no UTF-8 text (byte {error.start})") from None
     try:
         data = YAML(typ="rt").load(text)
     except MarkedYAMLError as error:

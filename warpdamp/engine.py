@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
+from .device import DEVICE
 from .effects import Effects
 from .kernels import data
 from .kernels.advance import stepper
@@ -15,8 +16,6 @@ from .kernels.ledger import Row
 from .kernels.neighbours import neighbour_search
 from .ledger import Ledger
 from .scene import Material, Scene, State, Surface
-
-wp.config.quiet = True
 
 SKIN = 0.2
 """Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results."""
@@ -79,22 +78,22 @@ class Batch:
         self._max_rows = max_rows
         n, m = int(self._first[-1]), len(self.cases)
 
-        self._constants = wp.array([self._device_case(k) for k in range(m)], dtype=t.Case, device="cpu")
-        self._group = wp.array(np.repeat(np.arange(m, dtype=np.int32), counts), device="cpu")
+        self._constants = wp.array([self._device_case(k) for k in range(m)], dtype=t.Case, device=DEVICE)
+        self._group = wp.array(np.repeat(np.arange(m, dtype=np.int32), counts), device=DEVICE)
         self._particles = self._device_particles()
         self._contacts = self._device_contacts()
-        self._steps = wp.zeros(m, dtype=wp.int64, device="cpu")
-        self._target = wp.zeros(m, dtype=wp.int64, device="cpu")
-        self._drifts = wp.zeros(m, dtype=t.vec3, device="cpu")
-        self._tallies = wp.zeros(m, dtype=Row, device="cpu")
-        self._rows = wp.full(m * max_rows, Row(math.nan), dtype=Row, device="cpu")
-        self._status = wp.zeros(m, dtype=wp.int32, device="cpu")
-        self._counts = wp.zeros(n + 1, dtype=wp.int32, device="cpu")
+        self._steps = wp.zeros(m, dtype=wp.int64, device=DEVICE)
+        self._target = wp.zeros(m, dtype=wp.int64, device=DEVICE)
+        self._drifts = wp.zeros(m, dtype=t.vec3, device=DEVICE)
+        self._tallies = wp.zeros(m, dtype=Row, device=DEVICE)
+        self._rows = wp.full(m * max_rows, Row(math.nan), dtype=Row, device=DEVICE)
+        self._status = wp.zeros(m, dtype=wp.int32, device=DEVICE)
+        self._counts = wp.zeros(n + 1, dtype=wp.int32, device=DEVICE)
 
         self._largest_radius = max(float(np.max(c.state.radius)) for c in self.cases)
         self._cell = 2 * self._largest_radius * (1 + SKIN)
         side = int(np.clip(2 * np.ceil(np.cbrt(max(counts))), 8, 128))
-        self._grid = wp.HashGrid(side, side, side, device="cpu", dtype=self.effects.real)
+        self._grid = wp.HashGrid(side, side, side, device=DEVICE, dtype=self.effects.real)
 
     def _device_case(self, k: int):
         t, case = self._types, self.cases[k]
@@ -120,7 +119,7 @@ class Batch:
         return c
 
     def _array(self, values, dtype):
-        return wp.array(np.ascontiguousarray(values), dtype=dtype, device="cpu")
+        return wp.array(np.ascontiguousarray(values), dtype=dtype, device=DEVICE)
 
     def _device_particles(self):
         t = self._types
@@ -134,7 +133,7 @@ class Batch:
             setattr(p, name, self._array(values, t.vec3))
             setattr(p, f"half_{name}", self._array(values, t.vec3))
         for name in ("force", "torque", "listed"):
-            setattr(p, name, wp.zeros(len(radius), dtype=t.vec3, device="cpu"))
+            setattr(p, name, wp.zeros(len(radius), dtype=t.vec3, device=DEVICE))
         p.radius = self._array(radius, t.real)
         p.inverse_mass = self._array(1 / mass, t.real)
         p.inverse_inertia = self._array(2.5 / (mass * radius**2), t.real)
@@ -160,15 +159,15 @@ class Batch:
         n = int(self._first[-1])
         self._grid.build(p.position, self._cell, groups=self._group)
         search = [self._grid.id, self._constants, self._group, self._largest_radius, p]
-        wp.launch(self._count_pairs, n, [*search, self._counts], device="cpu")
+        wp.launch(self._count_pairs, n, [*search, self._counts], device=DEVICE)
         fresh = t.Contacts()
         fresh.wall_history = old.wall_history
-        fresh.start = wp.empty(n + 1, dtype=wp.int32, device="cpu")
+        fresh.start = wp.empty(n + 1, dtype=wp.int32, device=DEVICE)
         wp.utils.array_scan(self._counts, fresh.start, inclusive=False)
         total = int(fresh.start.numpy()[-1])
-        fresh.partner = wp.empty(total, dtype=wp.int32, device="cpu")
-        fresh.pair_history = wp.empty(total, dtype=t.vec4, device="cpu")
-        wp.launch(self._list_pairs, n, [*search, old, fresh, self._drifts], device="cpu")
+        fresh.partner = wp.empty(total, dtype=wp.int32, device=DEVICE)
+        fresh.pair_history = wp.empty(total, dtype=t.vec4, device=DEVICE)
+        wp.launch(self._list_pairs, n, [*search, old, fresh, self._drifts], device=DEVICE)
         self._contacts = fresh
 
     @property
@@ -195,7 +194,7 @@ class Batch:
                 len(self.cases),
                 [self._constants, self._target, self._particles, self._contacts]
                 + [self._steps, self._drifts, self._tallies, self._rows, self._status],
-                device="cpu",
+                device=DEVICE,
             )
             target[status != data.OK] = done[status != data.OK]
 
@@ -222,7 +221,7 @@ class Batch:
             self._synchronise,
             len(self.cases),
             [self._constants, self._steps, copy_p, copy_c, tallies],
-            device="cpu",
+            device=DEVICE,
         )
         return [self._read_case(k, copy_p, copy_c, tallies) for k in range(len(self.cases))]
 
@@ -230,7 +229,8 @@ class Batch:
         first, last = self._first[k], self._first[k + 1]
         start, history = c.start.numpy(), c.pair_history.numpy().astype(float)
         a, b = start[first], start[last]
-        pairs = np.stack([np.repeat(np.arange(last - first), np.diff(start[first : last + 1])), c.partner.numpy()[a:b] - first], 1)
+        owner = np.repeat(np.arange(last - first), np.diff(start[first : last + 1]))
+        pairs = np.stack([owner, c.partner.numpy()[a:b] - first], axis=1)
         touching = history[a:b, 3] > 0
         state = State(
             position=p.position.numpy()[first:last].astype(float),

@@ -19,7 +19,7 @@ import logging
 import math
 import os
 import tempfile
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -77,7 +77,7 @@ class Request:
     seed: int
     preparation: Preparation = "compacted"
     settling_time: float | None = None
-    effects: Effects = Effects()
+    effects: Effects = field(default_factory=Effects)
 
     def key(self) -> str:
         """Hash of the inputs and of the version of the physics."""
@@ -105,8 +105,8 @@ class Packing:
 
 def cache_folder() -> Path:
     """Where beds are kept: ``$WARPDAMP_CACHE``, or the user's cache folder."""
-    base = os.environ.get("WARPDAMP_CACHE") or Path(os.environ.get("XDG_CACHE_HOME", "~/.cache")).expanduser() / "warpdamp"
-    return Path(base) / "beds"
+    default = Path(os.environ.get("XDG_CACHE_HOME", "~/.cache")).expanduser() / "warpdamp"
+    return Path(os.environ.get("WARPDAMP_CACHE", default)) / "beds"
 
 
 def prepare(request: Request) -> Packing:
@@ -195,7 +195,7 @@ def separate(radius, enclosure: Cylinder, seed: int) -> np.ndarray:
 
 
 def _push_apart(position, radius, enclosure, most: int = 6000):
-    """Minimise the overlaps; returns positions and whether the ungrown spheres are apart.  Lengths in the mean radius."""
+    """Minimise the overlaps, in units of the mean radius; returns positions and whether the true spheres are apart."""
     unit = float(np.mean(radius))
     x, r = position / unit, radius / unit
     half, height = enclosure.diameter / 2 / unit, enclosure.height / unit

@@ -1,11 +1,13 @@
 """A straight beam in three-dimensional finite elements, with a point mass: its bending modes by scikit-fem.
 
-Triquadratic hexahedra, four across the width and two across the thickness, graded along the length towards the supports and the mass:
-the clamps hold back Poisson's contraction in a boundary layer, and the mass bends the beam sharply.
+Triquadratic hexahedra, four across the width and two across the thickness, graded along the length towards the
+supports and the mass: the clamps hold back Poisson's contraction in a boundary layer, and the mass bends the beam
+sharply.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Literal
@@ -56,7 +58,7 @@ def graded(points, finest: float, coarsest: float) -> np.ndarray:
     The spacing is ``finest`` at every point and grows by a third of the distance from it, up to ``coarsest``.
     """
     stations = [points[0]]
-    for start, end in zip(points[:-1], points[1:], strict=True):
+    for start, end in itertools.pairwise(points):
         fine = np.linspace(start, end, 10_001)
         distance = np.minimum(fine - start, end - fine)
         spacing = np.minimum(coarsest, finest + distance / 3)
@@ -117,9 +119,7 @@ def _assemble(beam: Beam):
     from skfem.helpers import dot
     from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-    x = graded(
-        [0.0, beam.mass_position, beam.length], beam.finest * beam.thickness, beam.coarsest * beam.thickness
-    )
+    x = graded([0.0, beam.mass_position, beam.length], beam.finest * beam.thickness, beam.coarsest * beam.thickness)
     mesh = MeshHex.init_tensor(
         x, np.linspace(-beam.width / 2, beam.width / 2, 5), np.linspace(-beam.thickness / 2, beam.thickness / 2, 3)
     )

@@ -51,6 +51,4 @@ class Modes:
             if abs(self.amplitude[row]) < 1e-3 * np.max(np.abs(self.shape[row])):
                 raise ValueError(f"mode {number} has a node where the damper sits: the damper cannot damp it")
             rows.append(row)
-        return Modes(
-            self.number[rows], self.frequency[rows], self.amplitude[rows], self.station, self.shape[rows]
-        )
+        return Modes(self.number[rows], self.frequency[rows], self.amplitude[rows], self.station, self.shape[rows])

@@ -1,0 +1,71 @@
+"""Scenes that many tests share."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from warpdamp import Cylinder, Drive, Material, Scene, State, Surface
+
+ROOT = Path(__file__).parents[1]
+RADIUS = 3.73e-3
+PMMA = Material(density=920, youngs_modulus=3.3e9, poissons_ratio=0.37)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_cache(tmp_path_factory):
+    """Beds made by tests are made anew in each session, and are not left in the user's cache."""
+    patch = pytest.MonkeyPatch()
+    patch.setenv("WARPDAMP_CACHE", str(tmp_path_factory.mktemp("cache")))
+    yield
+    patch.undo()
+
+
+@pytest.fixture
+def config_path():
+    return ROOT / "configs" / "beam.yaml"
+
+
+@pytest.fixture
+def make_scene():
+    """Scene of PMMA with one surface everywhere; no walls and no gravity unless asked for."""
+
+    def make(restitution=0.52, friction=0.86, *, enclosure=None, gravity=(0, 0, 0), drive=None, material=PMMA):
+        surface = Surface(restitution, friction)
+        return Scene(material, material, surface, surface, enclosure, gravity, drive)
+
+    return make
+
+
+@pytest.fixture
+def damper(make_scene):
+    """The paper's damper, shaken at a frequency and Gamma (no drive at Gamma 0)."""
+
+    def make(frequency=46.0, gamma=0.0):
+        drive = Drive(frequency, gamma * 9.81) if gamma else None
+        return make_scene(enclosure=Cylinder(0.04, 0.04), gravity=(0, 0, -9.81), drive=drive)
+
+    return make
+
+
+@pytest.fixture
+def loose_positions():
+    """Common starting packing of the independent codes, without overlap: (120, 3) [m]."""
+
+    def load(seed):
+        return np.loadtxt(ROOT / "tests" / "data" / f"loose_bed_{seed}.txt")
+
+    return load
+
+
+@pytest.fixture
+def two_spheres():
+    """Two spheres about to meet head on along x at a relative speed."""
+
+    def make(speed, radius=(RADIUS, RADIUS)):
+        gap = 1e-5
+        state = State.at_rest([[-radius[0] - gap / 2, 0, 0], [radius[1] + gap / 2, 0, 0]], radius)
+        state.velocity[:, 0] = [speed / 2, -speed / 2]
+        return state
+
+    return make

@@ -1,0 +1,76 @@
+"""What a person reads in the terminal after a run."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .optimum import peaks
+from .steady import Status
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from rich.table import Table
+
+
+def modes_table(modes) -> Table:
+    """Number, frequency, shape at the damper and modal mass of each mode."""
+    table = _table("mode", "f [Hz]", "phi [kg^-½]", "modal mass [kg]")
+    for number, frequency, amplitude, mass in zip(
+        modes.number, modes.frequency, modes.amplitude, modes.modal_mass, strict=True
+    ):
+        table.add_row(f"{number}", f"{frequency:.2f}", f"{amplitude:.4f}", f"{mass:.4f}")
+    return table
+
+
+def summary(dataset: xr.Dataset) -> Table:
+    """Per mode (or frequency, and per swept value): f, phi and the peaks of the curve."""
+    modal = "damping_ratio" in dataset
+    if modal:
+        value, error, lines = dataset["damping_ratio"], dataset["damping_ratio_standard_error"], "mode"
+    else:
+        value = dataset["effectiveness"].mean("seed")
+        error = np.sqrt((dataset["effectiveness_standard_error"] ** 2).sum("seed")) / dataset.sizes["seed"]
+        lines = "frequency"
+    swept = [dim for dim in value.dims if dim not in (lines, "gamma")]
+    head = ("mode", "f [Hz]", "phi [kg^-½]") if modal else ("f [Hz]",)
+    table = _table(*head, *swept, "peaks of the damping ratio" if modal else "peaks of the effectiveness")
+    stacked = value.stack(line=[lines, *swept])
+    for k in range(stacked.sizes["line"]):
+        at = {name: stacked[name].values[k] for name in (lines, *swept)}
+        found = peaks(dataset["gamma"], value.sel(at), error.sel(at))
+        text = ", ".join(f"{p.height:.4g} ± {p.standard_error:.1g} at Γ {p.gamma:g}" for p in found)
+        table.add_row(*_line_head(dataset, at, modal), *(f"{at[name]:g}" for name in swept), text or "-")
+    return table
+
+
+def _line_head(dataset, at, modal):
+    if not modal:
+        return (f"{at['frequency']:.2f}",)
+    own = dataset[["natural_frequency", "mode_amplitude"]]
+    own = own.sel({name: v for name, v in at.items() if name in own.dims})
+    return f"{at['mode']}", f"{float(own['natural_frequency']):.2f}", f"{float(own['mode_amplitude']):.4f}"
+
+
+def verdicts(dataset: xr.Dataset) -> list[str]:
+    """How the cases ended, worst first, in sentences; and how well the ledger closed."""
+    status = dataset["status"].values
+    lines = [
+        f"{np.sum(status == s)} of {status.size} cases: {s.meaning}" for s in reversed(Status) if np.any(status == s)
+    ]
+    residual = dataset["ledger_residual"].values
+    if np.isfinite(residual).any():
+        lines.append(f"energy ledger: residual at most {100 * np.nanmax(residual):.2g} % of the dissipation")
+    return lines
+
+
+def _table(*columns) -> Table:
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD)
+    for column in columns:
+        table.add_column(escape(column))
+    return table

@@ -1,0 +1,91 @@
+"""Results as an xarray Dataset with CF attributes, written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import platform
+import tempfile
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .ledger import CHANNELS
+from .steady import Status
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+VARIABLES = {
+    "energy_dissipated": ("J", "energy dissipated per cycle"),
+    "energy_dissipated_standard_error": ("J", "standard error of the energy dissipated per cycle"),
+    "effectiveness": ("1", "energy dissipated per cycle over that of the ideal impact damper (eqs 4, 5)"),
+    "effectiveness_standard_error": ("1", "standard error of the effectiveness"),
+    **{f"{name}_loss": ("J", f"energy lost per cycle: {name.replace('_', ' ')}") for name in CHANNELS},
+    "work_input": ("J", "work per cycle of the enclosure on the particles"),
+    "harmonic_work": ("J", "work per cycle by the first harmonic of the reaction, -pi X Im(F1)"),
+    "ledger_residual": ("1", "energy not accounted for, over the energy dissipated"),
+    "apparent_mass": ("kg", "mass that the structure feels, Re(F1) / (w^2 X)"),
+    "normalised_damping": ("1", "energy per cycle over 0.5 m_total (Gamma g / w)^2 (eq. 19, square on the speed only)"),
+    "clearance": ("m", "travel of the bed's centre of mass between rest on the floor and rest against the lid"),
+    "largest_overlap": ("1", "largest overlap over the reduced radius since the start"),
+    "excitation_frequency": ("Hz", "frequency of the excitation"),
+    "displacement": ("m", "displacement amplitude X of the enclosure"),
+    "cycles": ("1", "cycles run"),
+    "cycles_discarded": ("1", "cycles at the start left out of the averages"),
+    "steps": ("1", "steps run"),
+    "cpu_time": ("s", "processor time"),
+    "status": ("1", "how the case ended"),
+    "damping_ratio": ("1", "modal damping ratio (eqs 6-11), mean over seeds"),
+    "damping_ratio_standard_error": ("1", "standard error of the modal damping ratio"),
+    "natural_frequency": ("Hz", "natural frequency with the particles' mass"),
+    "mode_amplitude": ("kg-0.5", "mass-normalised mode shape at the damper"),
+    "modal_mass": ("kg", "1 / phi^2 at the damper"),
+}
+INTEGERS = ("cycles", "cycles_discarded", "steps", "status")
+
+
+def describe(dataset: xr.Dataset) -> xr.Dataset:
+    """Give every variable its units and long name, and ``status`` its meanings."""
+    for name, variable in dataset.data_vars.items():
+        units, long_name = VARIABLES[name]
+        variable.attrs.update(units=units, long_name=long_name)
+    if "status" in dataset:
+        dataset["status"].attrs.update(
+            flag_values=np.array([int(s) for s in Status], np.int32),
+            flag_meanings=" ".join(s.name.lower() for s in Status),
+            comment="; ".join(f"{int(s)}: {s.meaning}" for s in Status),
+        )
+    return dataset
+
+
+def provenance() -> dict:
+    """Global attributes: who made this, with what, when."""
+    import numpy
+    import scipy
+    import skfem
+    import warp
+    import xarray
+
+    from . import PHYSICS_VERSION, __version__
+
+    versions = {"numpy": numpy, "scipy": scipy, "scikit-fem": skfem, "warp-lang": warp, "xarray": xarray}
+    return {
+        "Conventions": "CF-1.11",
+        "source": f"warpdamp {__version__} (physics {PHYSICS_VERSION}), python {platform.python_version()}, "
+        + ", ".join(f"{name} {module.__version__}" for name, module in versions.items()),
+        "history": f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} warpdamp run",
+        "references": "Terzioglu & Rongong, Selection of granular damper parameters to achieve optimum vibration "
+        "attenuation on vibrating structures",
+    }
+
+
+def write(dataset: xr.Dataset, path: Path) -> None:
+    """Write a netCDF file so that a reader finds the old file or the new one, never a part."""
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".writing-") as folder:
+        part = Path(folder) / path.name
+        dataset.to_netcdf(part, engine="netcdf4")
+        with open(part, "rb+") as file:
+            os.fsync(file.fileno())
+        os.replace(part, path)

@@ -1,0 +1,175 @@
+"""Shake prepared beds until their dissipation is steady, and say what the averages are worth."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from .effects import Effects
+from .engine import Batch, Case
+from .kernels.data import OK
+from .ledger import CHANNELS, Ledger, apparent_mass, harmonic_work, maximum_energy
+from .packing import Request, prepare
+from .scene import Scene, State
+from .steady import Status, Steady, standard_error, steady
+
+CHUNK = 10
+"""Cycles between two looks at the series."""
+
+SMALLEST_EFFECTIVENESS = 1e-3
+"""Energies below this part of the ideal damper's count as nothing: no error is relative to less."""
+
+PAPER_SETTLING, PAPER_SHAKING = 0.2, 0.3
+"""Times of the paper's own recipe [s]; the last two thirds of the shaking are averaged."""
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """When a case is done.
+
+    Parameters
+    ----------
+    standard_error : asked for, relative to the energy per cycle
+    fewest, most : cycles to run
+    fixed : average over the last two thirds of ``most`` cycles instead, whatever the series does
+    """
+
+    standard_error: float = 0.02
+    fewest: int = 30
+    most: int = 120
+    fixed: bool = False
+
+
+@dataclass(frozen=True)
+class Spec:
+    """One case of a study.
+
+    Parameters
+    ----------
+    index : position in the study's axes
+    scene : Scene, with its drive
+    steps_per_cycle : int
+    bed : Request
+    """
+
+    index: tuple[int, ...]
+    scene: Scene
+    steps_per_cycle: int
+    bed: Request
+
+    @property
+    def dt(self) -> float:
+        """Step [s]."""
+        return 1 / (self.scene.drive.frequency * self.steps_per_cycle)
+
+    def cost(self, criteria: Criteria) -> float:
+        """Particle-steps that it takes at the least."""
+        return self.steps_per_cycle * len(self.bed.radius) * criteria.fewest
+
+
+def shake(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int, ...], dict]]:
+    """Run chains of cases side by side; each case of a chain starts from the state that the one before left.
+
+    Returns
+    -------
+    list of (index, values)
+        The values of a case as they go into the Dataset.
+    """
+    beds = [prepare(chain[0].bed) for chain in chains]
+    states = [bed.state for bed in beds]
+    results = []
+    for stage in zip(*chains, strict=True):
+        carried_on = stage[0] is not chains[0][-1]
+        values, states = _shake_stage(stage, states, criteria, read=carried_on)
+        for spec, bed, value in zip(stage, beds, values, strict=True):
+            results.append((spec.index, value | {"clearance": bed.clearance}))
+    return results
+
+
+def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
+    cases = [Case(spec.scene, state, spec.dt, spec.steps_per_cycle) for spec, state in zip(stage, states, strict=True)]
+    batch = Batch(cases, max_rows=criteria.most + 1, effects=stage[0].bed.effects)
+    per_cycle = np.array([spec.steps_per_cycle for spec in stage])
+    cycles = np.full(len(stage), criteria.most if criteria.fixed else criteria.fewest)
+    work = per_cycle * np.array([len(spec.bed.radius) for spec in stage])
+    cpu = np.zeros(len(stage))
+    averages: list = [None] * len(stage)
+    while True:
+        before, started = batch.steps, time.process_time()
+        batch.advance(cycles * per_cycle)
+        done = (batch.steps - before) * work / per_cycle
+        cpu += (time.process_time() - started) * done / max(1, done.sum())
+        for k, spec in enumerate(stage):
+            if averages[k] is None:
+                averages[k] = _average(batch, k, spec, criteria, int(cycles[k]))
+        unfinished = np.array([average is None for average in averages])
+        if not unfinished.any():
+            break
+        cycles[unfinished] = np.minimum(cycles[unfinished] + CHUNK, criteria.most)
+
+    for k, value in enumerate(averages):
+        value["cpu_time"] = float(cpu[k])
+    return averages, [state for state, _ in batch.read()] if read else states
+
+
+def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) -> dict | None:
+    """The averages of a case, or None if it has to go on."""
+    if batch.status[k] != OK:
+        return {"status": int(Status.FAILED), "cycles": cycles, "steps": int(batch.steps[k])}
+    ledger = batch.cycles(k)
+    drive = spec.scene.drive
+    mass = float(np.sum(spec.scene.mass(spec.bed.radius)))
+    smallest = SMALLEST_EFFECTIVENESS * maximum_energy(drive, mass)
+    series = ledger.per_cycle()
+    if criteria.fixed:
+        discarded = cycles // 3
+        judged = steady(series[discarded:], fewest=cycles, floor=smallest)
+        average = Steady(judged.mean, standard_error(series[discarded:]), discarded, judged.drifting)
+    else:
+        average = steady(series, fewest=criteria.fewest * 2 // 3, floor=smallest)
+    precise = average.standard_error <= max(criteria.standard_error * average.mean, smallest)
+    if (average.drifting or not precise) and cycles < criteria.most:
+        return None
+    status = Status.DRIFTING if average.drifting else Status.STEADY if precise else Status.IMPRECISE
+    return _values(ledger.between(average.discarded, cycles), spec, mass, smallest) | {
+        "energy_dissipated": average.mean,
+        "energy_dissipated_standard_error": average.standard_error,
+        "status": int(status),
+        "cycles": cycles,
+        "cycles_discarded": average.discarded,
+        "steps": cycles * spec.steps_per_cycle,
+    }
+
+
+def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
+    """What the averaging window says, per cycle."""
+    drive = spec.scene.drive
+    cycles = len(window.rows) - 1
+    reaction = window.reaction(drive)
+    dissipated = float(np.mean(window.per_cycle()))
+    return {
+        **{f"{name}_loss": window.change(name) / cycles for name in CHANNELS},
+        "work_input": window.change("work_input") / cycles,
+        "harmonic_work": harmonic_work(reaction, drive),
+        "apparent_mass": apparent_mass(reaction, drive),
+        "ledger_residual": abs(float(window.residual[-1])) / cycles / max(dissipated, smallest),
+        "largest_overlap": float(window["largest_overlap"][-1]),
+        "maximum_energy": maximum_energy(drive, mass),
+    }
+
+
+def paper_criteria(frequency: float) -> Criteria:
+    """The paper's recipe at a frequency: whole cycles within 0.3 s."""
+    cycles = max(6, math.floor(PAPER_SHAKING * frequency))
+    return Criteria(fewest=cycles, most=cycles, fixed=True)
+
+
+def warm_up(effects: Effects, scene: Scene) -> None:
+    """Compile the kernels of ``effects`` into the cache on disk, before workers start."""
+    ball = State.at_rest([[0, 0, 0.0]], 1e-3)
+    batch = Batch([Case(scene, ball, 1e-6, 1)], max_rows=2, effects=effects)
+    batch.advance(1)
+    batch.read()

@@ -1,0 +1,398 @@
+"""The order of the work: configuration -> modes -> beds -> cases -> Dataset -> modal damping."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .config import Config, load
+from .scene import STANDARD_GRAVITY
+from .sweep import Axis, as_list, axes, drive, material, particle_mass, points, radii, scene
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from .modal.modes import Modes
+    from .shaking import Criteria, Spec
+
+Report = Callable[[str, float], None]
+"""Told the stage and the part of it that is done, 0 to 1."""
+
+BATCH = 4
+"""Cases to a batch: enough to hide what a launch costs, few enough to share out evenly."""
+
+QUICK = {"amplitudes": 5, "fewest_cycles": 12, "most_cycles": 12}
+
+
+@dataclass(frozen=True)
+class Point:
+    """One combination of the swept scalars: its configuration, its modes, and its excitation frequencies [Hz]."""
+
+    index: tuple[int, ...]
+    config: Config
+    modes: Modes | None
+    frequencies: list[float]
+
+
+def shortened(config: Config) -> Config:
+    """The same study in a minute: five amplitudes, one seed, a loose bed, 12 cycles a case.
+
+    Its figures are a first look only: loose beds drift, and ``status`` says so.
+    """
+    gammas = as_list(config.excitation.gamma)
+    few = sorted({round(k) for k in np.linspace(0, len(gammas) - 1, QUICK["amplitudes"])})
+    change = {
+        "excitation": config.excitation.model_copy(update={"gamma": [gammas[k] for k in few]}),
+        "seeds": config.seeds[:1],
+        "preparation": "loose",
+        "steady_state": config.steady_state.model_copy(
+            update={name: QUICK[name] for name in ("fewest_cycles", "most_cycles")}
+        ),
+    }
+    short = config.model_copy(update=change)
+    short._source = config._source
+    return short
+
+
+def modes(config: Config, *, particles: float) -> Modes:
+    """The configured modes of the structure carrying ``particles`` [kg].
+
+    Raises
+    ------
+    ConfigError
+        If a mode does not exist or has a node at the damper.
+    """
+    from .modal.fem import beam_modes
+
+    structure = config.structure
+    every = beam_modes(beam(config), particle_mass=particles, highest=max(structure.modes))
+    try:
+        return every.pick(structure.modes)
+    except ValueError as error:
+        raise config.error("structure.modes", str(error)) from None
+
+
+def beam(config: Config):
+    """The configured beam."""
+    from .modal.fem import Beam
+
+    structure = config.structure
+    return Beam(
+        length=structure.beam.length,
+        width=structure.beam.width,
+        thickness=structure.beam.thickness,
+        material=material(config, structure.beam.material),
+        supports=structure.beam.supports,
+        mass_position=structure.point_mass.position,
+        mass=structure.point_mass.mass,
+    )
+
+
+def run(
+    config: Config | str | Path,
+    *,
+    quick: bool = False,
+    workers: int | None = None,
+    report: Report = lambda stage, done: None,
+) -> xr.Dataset:
+    """Run a study.
+
+    Parameters
+    ----------
+    config : Config or path of a YAML file
+    quick : run ``shortened(config)``
+    workers : number of processes (default: the cores of this machine); 1 runs in this one
+    report : called as ``report(stage, part_done)``
+
+    Returns
+    -------
+    xarray.Dataset
+        See ``warpdamp.results.VARIABLES`` for its variables.
+
+    Raises
+    ------
+    ConfigError, PackingError
+    """
+    from .packing import separate
+    from .shaking import warm_up
+
+    if not isinstance(config, Config):
+        config = load(config)
+    if quick:
+        config = shortened(config)
+
+    report("modes", 0.0)
+    every = study_points(config)
+    report("modes", 1.0)
+    specs = {}
+    for point in every:
+        specs |= _specs(config, point)
+    first = next(iter(specs.values()))
+    for seed in config.seeds:  # a bed that cannot be made is refused before anything long starts
+        _placed(config, partial(separate, first.bed.radius, first.scene.enclosure, seed))
+
+    report("kernels", 0.0)
+    warm_up(first.bed.effects, first.scene)
+    report("kernels", 1.0)
+    with _executor(workers) as executor:
+        values = _run_cases(config, specs, executor, report)
+    return _dataset(config, every, values)
+
+
+def study_points(config: Config) -> list[Point]:
+    """Every combination of the swept scalars, with the modes of the structure for each mass of particles."""
+    found: dict[float, Modes] = {}
+    every = []
+    for index, single in points(config):
+        single._source = config._source
+        particles = particle_mass(single)
+        if config.structure and particles not in found:
+            found[particles] = modes(single, particles=particles)
+        own = found.get(particles)
+        if config.excitation.frequency == "modes":
+            frequencies = [float(f) for f in own.frequency]
+        else:
+            frequencies = as_list(config.excitation.frequency)
+        every.append(Point(index, single, own, frequencies))
+    return every
+
+
+def _specs(config: Config, point: Point) -> dict[tuple[int, ...], Spec]:
+    """All cases of a point, by their index in (frequency, gamma, swept scalars, seed)."""
+    from .effects import Effects
+    from .packing import Request
+    from .shaking import PAPER_SETTLING, Spec
+
+    still, radius = scene(point.config), radii(point.config)
+    effects = Effects(precision=config.numerics.precision)
+    paper = config.steady_state.recipe == "paper"
+    specs = {}
+    for i, frequency in enumerate(point.frequencies):
+        for j, gamma in enumerate(as_list(config.excitation.gamma)):
+            driven = still.driven(drive(frequency, gamma))
+            steps = _steps(config, driven, radius)
+            for k, seed in enumerate(config.seeds):
+                bed = Request(
+                    scene=still,
+                    radius=radius,
+                    seed=seed,
+                    preparation="loose" if config.preparation == "carried" else config.preparation,
+                    settling_time=PAPER_SETTLING if paper else None,
+                    effects=effects,
+                )
+                index = (i, j, *point.index, k)
+                specs[index] = Spec(index, driven, steps, bed)
+    return specs
+
+
+def _steps(config: Config, driven, radius) -> int:
+    """Steps per cycle, chosen or forced.
+
+    Raises
+    ------
+    ConfigError
+        If a forced step does not resolve the shortest contact expected.
+    """
+    from .timestep import FEWEST_STEPS_PER_CONTACT, contact_step, steps_per_cycle
+
+    numerics = config.numerics
+    if numerics.step == "auto":
+        return steps_per_cycle(driven, radius, steps_per_contact=numerics.steps_per_contact)
+    longest = contact_step(driven, radius, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
+    if numerics.step > longest:
+        raise config.error(
+            "numerics.step",
+            f"{numerics.step:.3g} s is too large for the shortest contact expected, "
+            f"{longest * FEWEST_STEPS_PER_CONTACT:.3g} s at {driven.drive.frequency:.1f} Hz and Gamma "
+            f"{driven.drive.acceleration / STANDARD_GRAVITY:g}: take at most {longest:.2g} s, or 'auto'",
+        )
+    return math.ceil(1 / (driven.drive.frequency * numerics.step))
+
+
+def _executor(workers: int | None) -> Executor:
+    """Processes, started fresh: Warp does not promise that its runtime survives a fork."""
+    return ProcessPoolExecutor(workers or os.cpu_count(), mp_context=get_context("spawn"))
+
+
+def _placed(config: Config, call: Callable):
+    """Call, and point a packing that cannot be made at the configuration's key."""
+    from .packing import PackingError
+
+    try:
+        return call()
+    except PackingError as error:
+        raise config.error("damper.particles.count", str(error)) from None
+
+
+def _run_cases(config: Config, specs: dict, executor: Executor, report: Report) -> dict:
+    """Beds first, each once; then batches of cases, the dearest first so that all workers finish together."""
+    from .packing import prepare
+    from .shaking import shake
+
+    beds = {spec.bed.key(): spec.bed for spec in specs.values()}
+    pending = {executor.submit(prepare, bed): 1.0 for bed in beds.values()}
+    for future in _finished(pending, partial(report, "beds")):
+        _placed(config, future.result)
+
+    pending = {}
+    for batch, criteria in _batches(config, list(specs.values())):
+        pending[executor.submit(shake, batch, criteria)] = sum(s.cost(criteria) for chain in batch for s in chain)
+    values = {}
+    for future in _finished(pending, partial(report, "cases")):
+        values |= dict(future.result())
+    return values
+
+
+def _finished(pending: dict[Future, float], report: Callable[[float], None]):
+    """The futures as they finish; reports the part of their weights that is done."""
+    total, done = sum(pending.values()), 0.0
+    report(0.0)
+    try:
+        for future in as_completed(pending):
+            yield future
+            done += pending[future]
+            report(done / total)
+    finally:
+        for future in pending:
+            future.cancel()
+
+
+def _batches(config: Config, specs: list[Spec]) -> list[tuple[list[list[Spec]], Criteria]]:
+    """Chains of cases in batches of equal criteria, sorted by cost."""
+    chains: dict[tuple, list[Spec]] = {}
+    for spec in specs:
+        own = (spec.index[0], *spec.index[2:]) if config.preparation == "carried" else spec.index
+        chains.setdefault(own, []).append(spec)
+
+    groups: dict[Criteria, list[list[Spec]]] = {}
+    for chain in chains.values():
+        chain.sort(key=lambda spec: spec.scene.drive.acceleration)
+        groups.setdefault(_criteria(config, chain[0]), []).append(chain)
+    batches = []
+    for criteria, group in groups.items():
+        group.sort(key=lambda chain: -sum(spec.cost(criteria) for spec in chain))
+        batches += [(group[k : k + BATCH], criteria) for k in range(0, len(group), BATCH)]
+    return sorted(batches, key=lambda b: -sum(spec.cost(b[1]) for chain in b[0] for spec in chain))
+
+
+def _criteria(config: Config, spec: Spec) -> Criteria:
+    from .shaking import Criteria, paper_criteria
+
+    wanted = config.steady_state
+    if wanted.recipe == "paper":
+        return paper_criteria(spec.scene.drive.frequency)
+    return Criteria(wanted.standard_error, wanted.fewest_cycles, wanted.most_cycles)
+
+
+def _dataset(config: Config, every: list[Point], values: dict) -> xr.Dataset:
+    """Assemble the cases, in whatever order they came, on (frequency, gamma, swept scalars, seed)."""
+    import xarray as xr
+
+    from .results import INTEGERS, describe, provenance
+
+    swept = axes(config)
+    gammas = np.array(as_list(config.excitation.gamma))
+    frequencies = np.array(every[0].frequencies)
+    dims = ("frequency", "gamma", *(axis.name for axis in swept), "seed")
+    shape = (len(frequencies), len(gammas), *(len(axis.values) for axis in swept), len(config.seeds))
+
+    names = {name: None for value in values.values() for name in value}
+    arrays = {name: np.full(shape, -1 if name in INTEGERS else np.nan) for name in names}
+    for index, value in values.items():
+        for name, number in value.items():
+            arrays[name][index] = number
+    data = {name: (dims, a.astype(np.int64) if name in INTEGERS else a) for name, a in arrays.items()}
+    coords = {
+        "frequency": ("frequency", frequencies, {"units": "Hz", "long_name": "excitation frequency"}),
+        "gamma": ("gamma", gammas, {"units": "1", "long_name": "acceleration amplitude over g"}),
+        **{axis.name: (axis.name, np.array(axis.values), axis.attributes) for axis in swept},
+        "seed": ("seed", np.array(config.seeds), {"units": "1", "long_name": "seed of the packing"}),
+        "preparation": ((), config.preparation, {"long_name": "how the bed was prepared"}),
+    }
+    if swept and len({tuple(p.frequencies) for p in every}) > 1:
+        coords["frequency"][2]["comment"] = "of the first combination; see excitation_frequency for each"
+    dataset = xr.Dataset(data, coords)
+
+    point_dims = ("frequency", *(axis.name for axis in swept))
+    own = np.empty(tuple(len(dataset[d]) for d in point_dims))
+    total_mass = np.empty(own.shape[1:])
+    for point in every:
+        own[(slice(None), *point.index)] = point.frequencies
+        enclosure = config.structure.point_mass.mass if config.structure else 0.0
+        total_mass[point.index] = enclosure + particle_mass(point.config)
+    dataset["excitation_frequency"] = (point_dims, own)
+    speed = dataset["gamma"] * STANDARD_GRAVITY / (2 * np.pi * dataset["excitation_frequency"])
+    dataset["displacement"] = speed / (2 * np.pi * dataset["excitation_frequency"])
+    dataset["effectiveness"] = dataset["energy_dissipated"] / dataset["maximum_energy"]
+    dataset["effectiveness_standard_error"] = dataset["energy_dissipated_standard_error"] / dataset["maximum_energy"]
+    total = xr.DataArray(total_mass, dims=point_dims[1:])
+    dataset["normalised_damping"] = dataset["energy_dissipated"] / (0.5 * total * speed**2)
+    dataset = dataset.drop_vars("maximum_energy")
+    if config.excitation.frequency == "modes":
+        dataset = dataset.merge(_modal(config, every, dataset, swept))
+    dataset = describe(dataset.transpose(*dims, "mode", missing_dims="ignore"))
+    dataset.attrs = {"title": config.title, **provenance(), "configuration": resolved_yaml(config)}
+    dataset.attrs["seeds"] = np.array(config.seeds)
+    return dataset
+
+
+def _modal(config: Config, every: list[Point], dataset: xr.Dataset, swept: list[Axis]) -> xr.Dataset:
+    """Modal damping of every mode: mean over seeds, plus what the bare structure has."""
+    import xarray as xr
+
+    from .modal.damping import damping_ratio
+
+    dims = ("mode", *(axis.name for axis in swept))
+    shape = (len(config.structure.modes), *(len(axis.values) for axis in swept))
+    table = {name: np.empty(shape) for name in ("natural_frequency", "mode_amplitude", "modal_mass")}
+    for point in every:
+        at = (slice(None), *point.index)
+        table["natural_frequency"][at] = point.modes.frequency
+        table["mode_amplitude"][at] = point.modes.amplitude
+        table["modal_mass"][at] = point.modes.modal_mass
+    coords = {"mode": ("mode", config.structure.modes, {"units": "1", "long_name": "bending mode"})}
+    modal = xr.Dataset({name: (dims, values) for name, values in table.items()}, coords)
+
+    def to_mode(array):
+        return array.rename(frequency="mode").assign_coords(mode=modal["mode"])
+
+    per_joule = damping_ratio(
+        1.0, to_mode(dataset["displacement"]), modal["mode_amplitude"], modal["natural_frequency"]
+    )
+    inherent = xr.DataArray(config.structure.inherent(), dims="mode", coords={"mode": modal["mode"]})
+    energy = to_mode(dataset["energy_dissipated"])
+    modal["damping_ratio"] = per_joule * energy.mean("seed", skipna=False) + inherent
+    modal["damping_ratio_standard_error"] = per_joule * _combined_error(
+        energy, to_mode(dataset["energy_dissipated_standard_error"])
+    )
+    return modal.drop_vars("frequency", errors="ignore")
+
+
+def _combined_error(mean: xr.DataArray, error: xr.DataArray) -> xr.DataArray:
+    """Standard error of the mean over seeds: by the spread of the seeds, and never below their own errors' share."""
+    n = mean.sizes["seed"]
+    within = np.sqrt((error**2).sum("seed", skipna=False)) / n
+    if n == 1:
+        return within
+    return np.maximum(within, mean.std("seed", ddof=1, skipna=False) / math.sqrt(n))
+
+
+def resolved_yaml(config: Config) -> str:
+    """The configuration with every default filled in, in SI, as YAML."""
+    import io
+
+    from ruamel.yaml import YAML
+
+    text = io.StringIO()
+    yaml = YAML()
+    yaml.dump(config.model_dump(mode="json"), text)
+    return text.getvalue()
