@@ -51,7 +51,7 @@ def test_a_sphere_leaves_the_floor_at_the_restitution_asked_for(make_scene, rest
 
 
 def test_hertz_impact_peak_and_duration(make_scene, two_spheres):
-    """d_max = (15 m* v^2 / (16 E* sqrt R*))^(2/5), F = 4/3 E* sqrt(R*) d^1.5, tc = 2.943 d_max / v: 16.7 um, 49.1 us."""
+    """d_max = (15 m* v^2 / (16 E* sqrt R*))^(2/5) = 16.7 um, tc = 2.943 d_max / v = 49.1 us, F = 7.50 N."""
     scene, dt = make_scene(1.0, 0.0), 2e-8
     state = two_spheres(1.0)
     simulation = Simulation(scene, state, dt)
@@ -73,7 +73,7 @@ def test_hertz_impact_peak_and_duration(make_scene, two_spheres):
 
 @pytest.mark.parametrize("angle", [65, 75, 85])
 def test_gross_sliding_on_the_floor(make_scene, angle):
-    """Sliding throughout, beyond tan = 7/2 mu (1 + e) (62 deg): v_t' = v_t - mu (1 + e) v_n, spin = 5/2 mu (1 + e) v_n / R (Chung & Ooi 2011, test 4)."""
+    """Beyond tan = 7/2 mu (1 + e), 62 deg: v_t' = v_t - mu (1 + e) v_n, spin = 5/2 mu (1 + e) v_n / R."""
     from warpdamp import Cylinder
 
     friction, restitution, speed = 0.3, 0.8, 0.5
@@ -110,7 +110,7 @@ def test_spins_without_slip_feel_no_friction(make_scene, two_spheres):
     state.spin[:, 2] = [40.0, -40.0]
     after, ledger = run(make_scene(0.5), state, 1e-6, 3e-4)
     assert after.spin[:, 2] == pytest.approx([40.0, -40.0], abs=1e-10)
-    assert ledger["particle_slip"][-1] == 0
+    assert ledger["particle_slip"][-1] < 1e-30  # the rounding of a zero slip velocity
 
 
 @pytest.mark.parametrize("friction", [0.1, 0.86])
@@ -167,6 +167,6 @@ def test_residual_falls_at_second_order(make_scene, two_spheres):
     state.velocity[:, 1] = [0.3, -0.3]
     state.spin[0] = [10, 20, 30]
     steps = np.array([2e-6, 1e-6, 0.5e-6, 0.25e-6, 0.125e-6])
-    left = [abs(run(make_scene(), state, dt, 4e-4)[1].residual[-1]) for dt in steps]
+    left = [abs(run(make_scene(), state, dt, 1.5e-3)[1].residual[-1]) for dt in steps]
     slope = np.polyfit(np.log(steps), np.log(left), 1)[0]
     assert slope == pytest.approx(2.0, abs=0.2)

@@ -64,7 +64,7 @@ def plastic_block(gamma):
 def test_a_nearly_plastic_ball_has_its_fluidisation_optimum(make_scene):
     """The maximum is 0.565 at Gamma = 2.58, whatever the frequency; 2 % for a restitution of 0.02."""
     assert plastic_block(2.58) == pytest.approx(0.565, abs=1e-3)
-    gammas = np.array([2.0, 2.3, 2.5, 2.58, 2.66, 2.9, 3.2])
+    gammas = np.array([2.0, 2.3, 2.5, 2.58, 2.66, 2.9])
     found = []
     for gamma in gammas:
         scene = make_scene(
@@ -102,9 +102,7 @@ def test_the_ledger_of_a_shaken_bed_closes_and_improves_with_the_step(damper, lo
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("gamma", "expected", "spread"), [(1.0, 0.0, 0.01), (3.0, 0.44, 0.04), (6.0, 0.31, 0.05)]
-)
+@pytest.mark.parametrize(("gamma", "expected", "spread"), [(1.0, 0.0, 0.01), (3.0, 0.44, 0.04), (6.0, 0.31, 0.05)])
 def test_a_loose_bed_agrees_with_independent_codes(damper, loose_positions, gamma, expected, spread):
     """LAMMPS, LIGGGHTS and YADE on the same packings, settled 0.2 s, cycles 5-13 at 46 Hz, mean of three."""
     scene = damper(46.0, gamma)

@@ -155,7 +155,7 @@ class SteadyConfig(_Model):
     recipe: Literal["detect", "paper"] = "detect"
     standard_error: Annotated[Number, _positive] = 0.02
     fewest_cycles: Annotated[int, Field(ge=8)] = 30
-    most_cycles: Annotated[int, Field(ge=8)] = 120
+    most_cycles: Annotated[int, Field(ge=8)] = 1500
 
     @model_validator(mode="after")
     def _ordered(self):

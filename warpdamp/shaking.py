@@ -13,11 +13,16 @@ from .engine import Batch, Case
 from .kernels.data import OK
 from .ledger import CHANNELS, Ledger, apparent_mass, harmonic_work, maximum_energy
 from .packing import Request, prepare
-from .scene import Scene, State
-from .steady import Status, Steady, standard_error, steady
+from .scene import Drive, Scene, State
+from .steady import Status, Steady, steady
 
-CHUNK = 10
-"""Cycles between two looks at the series."""
+FIRST_LOOKS, LOOKS = 10, 1.25
+"""A series is looked at every ten cycles at first, and later whenever it has grown by a quarter."""
+
+BALANCE = 0.01
+"""In steady state the work put in, the work of the reaction's first harmonic and the dissipation agree to this part of
+the dissipation.  A bed that sinks or swells while its dissipation looks steady is not steady: at 730 Hz beds
+sink for hundreds of cycles."""
 
 SMALLEST_EFFECTIVENESS = 1e-3
 """Energies below this part of the ideal damper's count as nothing: no error is relative to less."""
@@ -39,7 +44,7 @@ class Criteria:
 
     standard_error: float = 0.02
     fewest: int = 30
-    most: int = 120
+    most: int = 1500
     fixed: bool = False
 
 
@@ -108,7 +113,8 @@ def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
         unfinished = np.array([average is None for average in averages])
         if not unfinished.any():
             break
-        cycles[unfinished] = np.minimum(cycles[unfinished] + CHUNK, criteria.most)
+        further = np.maximum(cycles + FIRST_LOOKS, (LOOKS * cycles).astype(int))
+        cycles[unfinished] = np.minimum(further, criteria.most)[unfinished]
 
     for k, value in enumerate(averages):
         value["cpu_time"] = float(cpu[k])
@@ -127,9 +133,10 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
     if criteria.fixed:
         discarded = cycles // 3
         judged = steady(series[discarded:], fewest=cycles, floor=smallest)
-        average = Steady(judged.mean, standard_error(series[discarded:]), discarded, judged.drifting)
+        balanced = _balanced(ledger.between(discarded, cycles), drive, smallest)
+        average = Steady(judged.mean, judged.standard_error, discarded, judged.drifting or not balanced)
     else:
-        average = steady(series, fewest=criteria.fewest * 2 // 3, floor=smallest)
+        average = _settled(ledger, drive, criteria.fewest * 2 // 3, smallest)
     precise = average.standard_error <= max(criteria.standard_error * average.mean, smallest)
     if (average.drifting or not precise) and cycles < criteria.most:
         return None
@@ -142,6 +149,24 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
         "cycles_discarded": average.discarded,
         "steps": cycles * spec.steps_per_cycle,
     }
+
+
+def _settled(ledger: Ledger, drive: Drive, fewest: int, smallest: float) -> Steady:
+    """The average from the earliest tenth of the run on, up to its half, after which work and dissipation balance."""
+    series = ledger.per_cycle()
+    n = len(series)
+    for earliest in range(0, max(1, min(n // 2, n - fewest)), max(1, n // 10)):
+        average = steady(series, fewest=fewest, floor=smallest, earliest=earliest)
+        if _balanced(ledger.between(average.discarded, n), drive, smallest):
+            return average
+    return Steady(average.mean, average.standard_error, average.discarded, drifting=True)
+
+
+def _balanced(window: Ledger, drive: Drive, smallest: float) -> bool:
+    dissipated = float(np.mean(window.per_cycle()))
+    work = window.change("work_input") / (len(window.rows) - 1)
+    harmonic = harmonic_work(window.reaction(drive), drive)
+    return max(abs(work - dissipated), abs(harmonic - dissipated)) <= max(BALANCE * dissipated, smallest)
 
 
 def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:

@@ -3,7 +3,7 @@
 Energies of successive cycles are correlated and drift while a bed compacts.  The transient is cut where the standard
 error of the rest is smallest (the MSER rule: White 1997, doi:10.1177/003754979706900601); the standard error of a
 correlated mean uses the integrated autocorrelation time with Geyer's initial monotone sequence (Geyer 1992,
-doi:10.1214/ss/1177011137); drift is judged by the difference between the two halves of what was kept.
+doi:10.1214/ss/1177011137); drift is judged by a straight line through what was kept.
 """
 
 from __future__ import annotations
@@ -30,8 +30,9 @@ class Status(IntEnum):
 
 
 _MEANINGS = {
-    Status.STEADY: "steady: no drift left, standard error as asked",
-    Status.DRIFTING: "still drifting at the limit of cycles: raise steady_state.most_cycles",
+    Status.STEADY: "steady: no drift left, work and dissipation in balance, standard error as asked",
+    Status.DRIFTING: "still drifting, or work and dissipation out of balance, at the limit of cycles: "
+    "raise steady_state.most_cycles",
     Status.IMPRECISE: "steady, but the standard error is larger than asked: raise steady_state.most_cycles",
     Status.FAILED: "the state was no longer finite: take a smaller step (numerics.steps_per_contact)",
 }
@@ -55,7 +56,7 @@ class Steady:
 
 
 DRIFT = 3.0
-"""Halves that differ by more standard errors than this are drifting (0.3 % of stationary series are, too)."""
+"""A trend of more standard errors than this is a drift (of stationary series, 1-2 % are called so)."""
 
 
 def autocorrelation_time(series) -> float:
@@ -90,7 +91,7 @@ def standard_error(series) -> float:
     return float(np.std(series) / math.sqrt(effective - 1))
 
 
-def steady(series, *, fewest: int, floor: float = 0.0) -> Steady:
+def steady(series, *, fewest: int, floor: float = 0.0, earliest: int = 0) -> Steady:
     """Cut the transient off a series and average the rest.
 
     Parameters
@@ -98,19 +99,29 @@ def steady(series, *, fewest: int, floor: float = 0.0) -> Steady:
     series : (n,) array, n >= fewest
     fewest : values to keep at the least (and never less than half the series)
     floor : changes smaller than this are no drift (in the series' unit)
+    earliest : values to discard at the least
     """
     x = np.asarray(series, float)
     n = len(x)
-    latest = max(0, min(n - fewest, n // 2))
-    discarded = min(range(latest + 1), key=lambda d: np.var(x[d:]) / (n - d))
+    latest = max(earliest, min(n - fewest, n // 2))
+    discarded = min(range(earliest, latest + 1), key=lambda d: np.var(x[d:]) / (n - d))
     kept = x[discarded:]
-    half = len(kept) // 2
-    first, second = kept[:half], kept[-half:]
-    apart = abs(second.mean() - first.mean())
-    chance = math.hypot(standard_error(first), standard_error(second))
+    change, chance = _trend(kept)
     return Steady(
         mean=float(kept.mean()),
         standard_error=standard_error(kept),
         discarded=discarded,
-        drifting=bool(apart > DRIFT * chance and apart > floor),
+        drifting=bool(change > DRIFT * chance and change > floor),
     )
+
+
+def _trend(series: np.ndarray) -> tuple[float, float]:
+    """By how much a straight line through the series changes from its first half to its second, and the error of that.
+
+    The error comes from what the line leaves over: a trend must not hide itself as correlation.
+    """
+    n = len(series)
+    time = np.arange(n) - (n - 1) / 2
+    slope = np.dot(time, series) / np.dot(time, time)
+    rest = series - series.mean() - slope * time
+    return abs(slope) * n / 2, math.sqrt(3) * standard_error(rest)

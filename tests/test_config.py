@@ -1,0 +1,136 @@
+"""Bad input is refused in one line that says where, what, and what to do."""
+
+import json
+import re
+
+import pytest
+
+from warpdamp import ConfigError, load
+from warpdamp.config import Config
+from warpdamp.sweep import axes, points
+from warpdamp.units import to_si
+
+
+def refused(tmp_path, config_path, old, new):
+    text = config_path.read_text()
+    assert old in text
+    path = tmp_path / "study.yaml"
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(ConfigError) as caught:
+        load(path)
+    return str(caught.value).replace(str(path), "FILE")
+
+
+def test_the_papers_study_is_read_in_si(config_path):
+    config = load(config_path)
+    assert config.structure.beam.length == pytest.approx(0.58)
+    assert config.materials["pmma"].youngs_modulus == pytest.approx(3.3e9)
+    assert config.damper.particles.radius == pytest.approx(3.73e-3)
+    assert config.excitation.gamma[0] == 0.5
+    assert config.excitation.gamma[-1] == 14
+    assert len(config.excitation.gamma) >= 20
+    assert len(config.seeds) == 3
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("thickness: 4 mm", "thicknes: 4 mm", r"FILE:\d+:5: structure.beam.thicknes: unknown key; did you mean 'thickness'\?"),
+        ("    length: 580 mm            # between the clamps\n", "", r"FILE:\d+:\d+: structure.beam.length: missing"),
+        ("length: 580 mm", "length: 580 kg", r"'580 kg' has the wrong unit: expected a quantity in m"),
+        ("length: 580 mm", "length: -3 mm", r"FILE:8:5: structure.beam.length: .*greater than 0, got '-3 mm'"),
+        ("length: 580 mm", "length: .nan", r"structure.beam.length: .*not finite"),
+        ("length: 580 mm", "length: 5 bananas", r"cannot read '5 bananas': expected a quantity in m, such as '40 mm'"),
+        ("restitution: 0.52", "restitution: 1.2", r"contact.restitution: .*less than or equal to 1, got 1.2"),
+        ("restitution: 0.52", "restitution: [0.2, -0.1]", r"contact.restitution.1: .*greater than or equal to 0"),
+        ("poissons_ratio: 0.37", "poissons_ratio: 0.5", r"materials.pmma.poissons_ratio: .*less than 0.5, got 0.5"),
+        ("poissons_ratio: 0.37", "poissons_ratio: -1", r"poissons_ratio: .*greater than -1"),
+        ("radius: 3.73 mm", "radius: 25 mm", r"damper.particles.radius: .*50 mm are larger than the cavity"),
+        ("count: 120", "count: 900", r"too many particles: they would fill 3.892.*take at most 171"),
+        ("count: 120", "count: 12.5", r"damper.particles.count: .*integer"),
+        ("material: steel", "material: steal", r"structure.beam.material: there is no material 'steal'; did you mean 'steel'\?"),
+        ("preparation: compacted", "preparation: tapped", r"'tapped' is not one of 'loose', 'compacted' or 'carried'"),
+        ("[1, 3, 5]", "[1, 1]", r"structure.modes: each mode once"),
+        ("seeds: [1, 2, 3]", "seeds: []", r"seeds: .*at least 1"),
+        ("frequency: modes", "frequency: 46 kg", r"excitation.frequency: '46 kg' has the wrong unit"),
+        ("fewest_cycles: 30", "fewest_cycles: 9000", r"steady_state.most_cycles: is below fewest_cycles"),
+        ("title: Granular", "title: [Granular", r"FILE:\d+:\d+: not YAML"),
+        ("seeds: [1, 2, 3]", "seeds: [1]\nseeds: [2]", r"not YAML: found duplicate key"),
+    ],
+)  # fmt: skip
+def test_one_line_for_one_error(tmp_path, config_path, old, new, message):
+    said = refused(tmp_path, config_path, old, new)
+    assert re.search(message, said), said
+    assert "\n" not in said
+    assert re.match(r"FILE:\d+:\d+: ", said)
+
+
+def test_all_errors_are_said_at_once(tmp_path, config_path):
+    text = config_path.read_text().replace("count: 120", "count: 0").replace("friction: 0.86", "friction: -1")
+    path = tmp_path / "study.yaml"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load(path)
+    assert len(str(caught.value).splitlines()) == 2
+
+
+@pytest.mark.parametrize("content", [b"\x89PNG\r\n\x00\x1a", b"hello", b"- a\n- b\n", b""])
+def test_a_file_that_is_no_configuration(tmp_path, content):
+    path = tmp_path / "study.yaml"
+    path.write_bytes(content)
+    with pytest.raises(ConfigError, match=r"not YAML|not a warpdamp configuration"):
+        load(path)
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    with pytest.raises(ConfigError, match="cannot be read: No such file"):
+        load(tmp_path / "nothing.yaml")
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [("40 mm", "m", 0.04), ("3.3 GPa", "Pa", 3.3e9), ("2 %", "", 0.02), ("0.92 g/cm^3", "kg/m^3", 920.0),
+     (5, "m", 5.0), ("1e-3", "m", 1e-3), ("2 us", "s", 2e-6)],
+)  # fmt: skip
+def test_quantities(text, unit, value):
+    assert to_si(text, unit) == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize("value", [True, None, [1], {"a": 1}, "inf m", "import os", "2 +", ""])
+def test_what_is_no_quantity(value):
+    with pytest.raises(ValueError, match="expected a quantity in m"):
+        to_si(value, "m")
+
+
+def test_any_scalar_may_be_an_axis(tmp_path, config_path):
+    text = config_path.read_text()
+    text = text.replace("friction: 0.86", "friction: [0.1, 0.3]").replace(
+        "youngs_modulus: 3.3 GPa", "youngs_modulus: [33 MPa, 3.3 GPa]"
+    )
+    path = tmp_path / "study.yaml"
+    path.write_text(text)
+    config = load(path)
+    assert [(axis.name, axis.values) for axis in axes(config)] == [
+        ("youngs_modulus", (33e6, 3.3e9)),
+        ("friction", (0.1, 0.3)),
+    ]
+    every = dict(points(config))
+    assert set(every) == {(0, 0), (0, 1), (1, 0), (1, 1)}
+    assert every[1, 0].contact.friction == 0.1
+    assert every[1, 0].materials["pmma"].youngs_modulus == 3.3e9
+
+
+def test_equal_names_are_told_apart(tmp_path, config_path):
+    text = config_path.read_text().replace(
+        "friction: 0.86", "friction: [0.1, 0.3]\n  walls: {restitution: 0.5, friction: [0, 1]}"
+    )
+    path = tmp_path / "study.yaml"
+    path.write_text(text)
+    assert [axis.name for axis in axes(load(path))] == ["friction", "walls_friction"]
+
+
+def test_the_schema_serves_editors():
+    schema = Config.model_json_schema()
+    json.dumps(schema)
+    assert set(schema["properties"]) >= {"structure", "damper", "materials", "contact", "excitation", "seeds"}
+    assert schema["additionalProperties"] is False

@@ -1,0 +1,168 @@
+"""From YAML to a Dataset: a small damper, run to the end."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import warpdamp
+from warpdamp import ConfigError, load, peaks
+from warpdamp.results import VARIABLES, write
+
+SMALL = """
+title: small
+damper:
+  enclosure: {diameter: 24 mm, height: 20 mm, material: pmma}
+  particles: {count: 16, radius: 3.73 mm, material: pmma}
+materials:
+  pmma: {density: 920 kg/m^3, youngs_modulus: 330 MPa, poissons_ratio: 0.37}
+contact: {restitution: 0.52, friction: [0.2, 0.86]}
+excitation: {gamma: [0.5, 3, 6], frequency: [40 Hz, 80 Hz]}
+preparation: loose
+steady_state: {fewest_cycles: 12, most_cycles: 40, standard_error: 5 %}
+seeds: [1, 2]
+"""
+
+
+@pytest.fixture(scope="module")
+def small_config(tmp_path_factory):
+    path = tmp_path_factory.mktemp("study") / "small.yaml"
+    path.write_text(SMALL)
+    return path
+
+
+@pytest.fixture(scope="module")
+def small(small_config):
+    stages = []
+    dataset = warpdamp.run(small_config, workers=2, report=lambda stage, done: stages.append((stage, done)))
+    assert {stage for stage, _ in stages} == {"modes", "kernels", "beds", "cases"}
+    assert stages[-1] == ("cases", pytest.approx(1.0))
+    return dataset
+
+
+def test_the_dataset_keeps_its_contract(small):
+    assert dict(small.sizes) == {"frequency": 2, "gamma": 3, "friction": 2, "seed": 2}
+    assert small["effectiveness"].dims == ("frequency", "gamma", "friction", "seed")
+    assert small["preparation"].item() == "loose"
+    for name in (
+        "effectiveness", "energy_dissipated", "energy_dissipated_standard_error", "work_input", "ledger_residual",
+        "apparent_mass", "clearance", "normalised_damping", "cycles", "steps", "cpu_time", "status",
+    ):  # fmt: skip
+        assert name in small
+    for name, variable in small.variables.items():
+        if name != "preparation":
+            assert variable.attrs["units"], name
+        assert variable.attrs["long_name"], name
+    assert set(small.data_vars) <= set(VARIABLES)
+    assert "count: 16" in small.attrs["configuration"]
+    assert "warp-lang" in small.attrs["source"]
+    assert small.attrs["Conventions"].startswith("CF-")
+
+
+def test_its_energies_belong_together(small):
+    channels = sum(small[name] for name in small.data_vars if name.endswith("_loss"))
+    xr.testing.assert_allclose(channels, small["energy_dissipated"], rtol=1e-9)
+    assert (small["ledger_residual"] < 5e-3).all()
+    shaken = small.sel(gamma=[3, 6])
+    assert (shaken["effectiveness"] > 0.05).all()
+    assert (small["effectiveness"].sel(gamma=0.5) < 0.1 * small["effectiveness"].sel(gamma=3)).all()
+    speed = small["gamma"] * 9.81 / (2 * math.pi * small["frequency"])
+    mass = 16 * 920 * 4 / 3 * math.pi * 3.73e-3**3
+    ideal = 4 * speed**2 * mass
+    xr.testing.assert_allclose(small["energy_dissipated"] / ideal, small["effectiveness"])
+
+
+def test_cases_do_not_depend_on_how_they_are_shared_out(small, small_config):
+    alone = warpdamp.run(small_config, workers=1)
+    for name in set(small.data_vars) - {"cpu_time"}:
+        xr.testing.assert_identical(alone[name], small[name])
+
+
+def test_it_survives_a_file(small, tmp_path):
+    write(small, tmp_path / "small.nc")
+    with xr.open_dataset(tmp_path / "small.nc") as back:
+        xr.testing.assert_equal(back, small)
+        assert back.attrs["configuration"] == small.attrs["configuration"]
+    assert [p.name for p in tmp_path.iterdir()] == ["small.nc"]
+
+
+def test_carried_beds_start_from_the_amplitude_before(small_config, tmp_path):
+    text = small_config.read_text().replace("preparation: loose", "preparation: carried")
+    path = tmp_path / "carried.yaml"
+    path.write_text(text.replace("[0.2, 0.86]", "0.86").replace("[40 Hz, 80 Hz]", "40 Hz").replace("[1, 2]", "[1]"))
+    carried = warpdamp.run(path, workers=1)
+    path.write_text(path.read_text().replace("carried", "loose"))
+    loose = warpdamp.run(path, workers=1)
+    first, rest = {"gamma": 0.5}, {"gamma": [3, 6]}
+    name = "energy_dissipated"
+    xr.testing.assert_equal(
+        carried[name].sel(first).drop_vars("preparation"), loose[name].sel(first).drop_vars("preparation")
+    )
+    assert (carried[name].sel(rest).values != loose[name].sel(rest).values).all()
+    assert carried["preparation"].item() == "carried"
+
+
+def test_the_papers_recipe_by_name(small_config, tmp_path):
+    path = tmp_path / "paper.yaml"
+    path.write_text(small_config.read_text().replace("steady_state: {", "steady_state: {recipe: paper, "))
+    paper = warpdamp.run(path)
+    assert (paper["cycles"].sel(frequency=40) == 12).all()  # whole cycles in 0.3 s
+    assert (paper["cycles"].sel(frequency=80) == 24).all()
+    assert (paper["cycles_discarded"].sel(frequency=80) == 8).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("count: 16", "count: 30", r"small.yaml:\d+:\d+: damper.particles.count: too many particles: .*reached 0\.\d+"),
+        ("seeds: [1, 2]", "seeds: [1, 2]\nnumerics: {step: 1 ms}", r"numerics.step: 0.001 s is too large for the shortest"),
+        ("frequency: [40 Hz, 80 Hz]", "frequency: modes", r"'modes' needs a structure"),
+    ],
+)  # fmt: skip
+def test_what_only_shows_when_it_is_built_is_placed_too(small_config, tmp_path, old, new, message):
+    path = tmp_path / "small.yaml"
+    path.write_text(small_config.read_text().replace(old, new))
+    with pytest.raises(ConfigError, match=message):
+        warpdamp.run(path)
+
+
+def test_a_mode_that_does_not_exist_is_refused(config_path, tmp_path):
+    path = tmp_path / "beam.yaml"
+    path.write_text(config_path.read_text().replace("[1, 3, 5]", "[2]"))
+    with pytest.raises(ConfigError, match=r"beam.yaml:\d+:\d+: structure.modes: mode 2 has a node"):
+        warpdamp.run(path)
+
+
+def test_failed_cases_are_values(small_config, monkeypatch):
+    """A case that blows up is NaN with a status; the others are as they were."""
+    from warpdamp import shaking
+    from warpdamp.effects import Effects
+    from warpdamp.scene import State
+    from warpdamp.steady import Status
+    from warpdamp.study import _specs, study_points
+
+    config = load(small_config)
+    specs = [s for s in _specs(config, study_points(config)[0]).values() if s.index[1] == 2][:2]
+    beds = [shaking.prepare(spec.bed) for spec in specs]
+    broken = State(**vars(beds[1].state))
+    broken.velocity = np.full_like(broken.velocity, np.nan)
+    assert specs[0].bed.effects == Effects()
+    monkeypatch.setattr(
+        shaking, "prepare", lambda bed: beds[0] if bed == specs[0].bed else type(beds[1])(broken, 0.0, 0)
+    )
+    (_, good), (_, bad) = shaking.shake([[specs[0]], [specs[1]]], shaking.Criteria(0.05, 12, 40))
+    assert bad["status"] == Status.FAILED
+    assert "energy_dissipated" not in bad
+    assert good["energy_dissipated"] > 0
+
+
+def test_peaks_stand_out_of_the_noise():
+    gamma = np.array([1, 2, 3, 4, 5, 6, 7.0])
+    two = peaks(gamma, [0, 0.5, 0.56, 0.5, 0.6, 0.67, 0.5], np.full(7, 0.01))
+    assert [p.gamma for p in two] == [3, 6]
+    shoulder = peaks(gamma, [0, 0.5, 0.56, 0.555, 0.6, 0.67, 0.5], np.full(7, 0.01))
+    assert [p.gamma for p in shoulder] == [6]
+    falling = peaks(gamma, [0.9, 0.5, 0.4, 0.3, 0.2, 0.1, np.nan], np.full(7, 0.01))
+    assert [p.gamma for p in falling] == [1]
+    assert peaks(gamma, np.full(7, np.nan), np.full(7, 0.1)) == []
