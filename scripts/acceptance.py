@@ -20,8 +20,9 @@ from scipy.optimize import brentq
 from warpdamp import Batch, Case, Cylinder, Drive, Effects, Material, Scene, State, Surface, load, run
 from warpdamp.ledger import harmonic_work, maximum_energy
 from warpdamp.modal.fem import beam_modes
-from warpdamp.packing import settle
+from warpdamp.packing import Request, prepare, settle
 from warpdamp.study import beam
+from warpdamp.sweep import radii
 from warpdamp.timestep import steps_per_cycle
 
 ROOT = Path(__file__).parents[1]
@@ -123,7 +124,21 @@ def bed_section():
         ]
         lines.append(f"| {gamma:g} | {asked} | {', '.join(found)} | {float(at['effectiveness'].mean()):.3f} |")
     clearance = ", ".join(f"{1e3 * c:.2f}" for c in at["clearance"].values)
-    lines += ["", f"Clearance measured, compacted: {clearance} mm (eq. 2 says 2.2-2.3 mm)."]
+    lines += ["", f"Clearance, compacted: {clearance} mm (eq. 2 says 2.2-2.3 mm)."]
+
+    config = load(ROOT / "configs" / "beam.yaml")
+    fresh = [prepare(Request(damper(), radii(config), seed, "loose")) for seed in config.seeds]
+    lines += ["", f"Clearance, loose: {', '.join(f'{1e3 * bed.clearance:.2f}' for bed in fresh)} mm."]
+    scene = damper(46.0, 6.0)
+    dt = 1 / (46.0 * steps_per_cycle(scene, beds[0].radius))
+    lines += [
+        "",
+        "A loose start at Gamma 6, effectiveness over cycles 1-10, 11-20, ... 81-90, mean of three packings:",
+        "",
+    ]
+    ledgers = shake(scene, beds, dt, 90)
+    tens = [np.mean([effectiveness(x.between(k, k + 10), scene) for x in ledgers]) for k in range(0, 90, 10)]
+    lines.append(", ".join(f"{x:.2f}" for x in tens))
     return "Loose start, settled 0.2 s, cycles 5-13 at 46 Hz:", *lines
 
 
@@ -142,17 +157,17 @@ def ledger_section():
 
 
 def main_job_section():
-    lines = []
-    with tempfile.TemporaryDirectory() as cold:
-        environment = os.environ | {"WARPDAMP_CACHE": cold, "WARP_CACHE_PATH": f"{cold}/warp"}
-        for name, extra, target in (("--quick", ["--quick"], cold), ("main job", [], ROOT / "docs")):
+    lines, said = [], []
+    for name, extra in (("main job", []), ("with --quick", ["--quick"])):
+        with tempfile.TemporaryDirectory() as cold:
+            environment = os.environ | {"WARPDAMP_CACHE": cold, "WARP_CACHE_PATH": f"{cold}/warp"}
+            target = cold if extra else ROOT / "docs"
             command = [sys.executable, "-m", "warpdamp", "run", ROOT / "configs" / "beam.yaml", "-o", target, *extra]
             started = time.perf_counter()
             done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-            lines.append(
-                f"- {name}{' from cold caches' if extra else ', beds made anew'}: {time.perf_counter() - started:.0f} s"
-            )
-    lines += ["", "```", done.stdout.strip().replace(f"{ROOT}/", ""), "```", ""]
+            lines.append(f"- {name}: {time.perf_counter() - started:.0f} s")
+            said.append(done.stdout.strip().replace(f"{ROOT}/", ""))
+    lines += ["", "```", said[0], "```", ""]
     with xr.open_dataset(ROOT / "docs" / "beam.nc") as dataset:
         steady = dataset["status"] == 0
         apart = np.maximum(
@@ -167,7 +182,7 @@ def main_job_section():
         lines.append(f"- work input, dissipation and harmonic within 1 % or 1e-3 E_max: {within} of the steady cases")
         rate = float(120 * dataset["steps"].sum() / dataset["cpu_time"].sum())
         lines.append(f"- throughput: {rate / 1e6:.1f} million particle-steps a second and core, ledger on (limit 9)")
-    return "Two cores; install left out (limits: 60 s and 10 minutes):", *lines
+    return "Two cores, cold caches (no kernel compiled, no bed made); limits: 10 minutes and 60 s:", *lines
 
 
 def main():

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
@@ -143,7 +145,7 @@ def run(
     report("kernels", 0.0)
     warm_up(first.bed.effects, first.scene)
     report("kernels", 1.0)
-    with _executor(workers) as executor:
+    with _processes(workers) as executor:
         values = _run_cases(config, specs, executor, report)
     return _dataset(config, every, values)
 
@@ -159,7 +161,8 @@ def study_points(config: Config) -> list[Point]:
             found[particles] = modes(single, particles=particles)
         own = found.get(particles)
         if config.excitation.frequency == "modes":
-            frequencies = [float(f) for f in own.frequency]
+            # to a microhertz: an eigensolver's last bits depend on the machine, and beds are chaotic
+            frequencies = [round(float(f), 6) for f in own.frequency]
         else:
             frequencies = as_list(config.excitation.frequency)
         every.append(Point(index, single, own, frequencies))
@@ -218,9 +221,22 @@ def _steps(config: Config, driven, radius) -> int:
     return math.ceil(1 / (driven.drive.frequency * numerics.step))
 
 
-def _executor(workers: int | None) -> Executor:
-    """Processes, started fresh: Warp does not promise that its runtime survives a fork."""
-    return ProcessPoolExecutor(workers or os.cpu_count(), mp_context=get_context("spawn"))
+@contextmanager
+def _processes(workers: int | None) -> Iterator[Executor]:
+    """Processes, started fresh: Warp does not promise that its runtime survives a fork.
+
+    A fresh process imports the script that was started.  The workers do not need it, and a script that calls ``run``
+    at its top level would start itself again in every one of them: so they are not told of it.
+    """
+    main = sys.modules["__main__"]
+    kept = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
+    try:
+        main.__spec__ = None
+        main.__dict__.pop("__file__", None)
+        with ProcessPoolExecutor(workers or os.cpu_count(), mp_context=get_context("spawn")) as executor:
+            yield executor
+    finally:
+        vars(main).update(kept)
 
 
 def _placed(config: Config, call: Callable):
@@ -339,7 +355,7 @@ def _dataset(config: Config, every: list[Point], values: dict) -> xr.Dataset:
     dataset = dataset.drop_vars("maximum_energy")
     if config.excitation.frequency == "modes":
         dataset = dataset.merge(_modal(config, every, dataset, swept))
-    dataset = describe(dataset.transpose(*dims, "mode", missing_dims="ignore"))
+    dataset = describe(dataset.transpose("mode", *dims, missing_dims="ignore"))
     dataset.attrs = {"title": config.title, **provenance(), "configuration": resolved_yaml(config)}
     dataset.attrs["seeds"] = np.array(config.seeds)
     return dataset
