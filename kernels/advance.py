@@ -5,12 +5,12 @@ import functools
 import warp as wp
 
 from .cylinder import wall_contacts
-from .data import NOT_FINITE, types
+from .data import ESCAPED, NOT_FINITE, types
 from .ledger import COSINE, LARGEST, SINE, WALL, WORK, Row, ledger
 from .motion import motion
 from .pairs import pair_contacts
 
-_NOT_FINITE = wp.constant(NOT_FINITE)
+_NOT_FINITE, _ESCAPED = wp.constant(NOT_FINITE), wp.constant(ESCAPED)
 
 
 @functools.cache
@@ -46,6 +46,16 @@ def stepper(effects):
         row[LARGEST] = wp.max(row[LARGEST], wp.float64(wp.max(pair_overlap, wall_overlap)))
         return inertial, row
 
+    @wp.func
+    def contained(case: Case, p: Particles):
+        """Status: whether every centre is inside the cavity."""
+        for i in range(case.first, case.first + case.count):
+            x = p.position[i]
+            outside = x[0] * x[0] + x[1] * x[1] > case.radius * case.radius
+            if outside or x[2] < real(0.0) or x[2] > case.height:
+                return _ESCAPED
+        return wp.int32(0)
+
     @wp.kernel(enable_backward=False, module="unique")
     def advance(
         cases: wp.array(dtype=Case),
@@ -79,14 +89,18 @@ def stepper(effects):
             row[WORK] += work
             drift += case.dt * mean_velocity
             step += wp.int64(1)
-            if not wp.isfinite(wp.dot(mean_velocity, mean_velocity)):  # wp.max would drop a NaN: ask for it
-                travel2 = real(wp.inf)
-                status[n] = _NOT_FINITE
+            if wp.static(effects.guards):
+                if not wp.isfinite(wp.dot(mean_velocity, mean_velocity)):  # wp.max would drop a NaN: ask for it
+                    travel2 = real(wp.inf)
+                    status[n] = _NOT_FINITE
 
             if step % wp.int64(case.cycle) == wp.int64(0):
                 rows[case.first_row + wp.int32(step / wp.int64(case.cycle))] = stored(
                     case, p, c, row, real(0.5) * case.dt
                 )
+        if wp.static(effects.guards and effects.enclosure):
+            if status[n] == 0:
+                status[n] = contained(case, p)
         steps[n] = step
         drifts[n] = drift
         tallies[n] = row

@@ -21,6 +21,7 @@ largest_overlap = overlap over the reduced radius.  All but ``STORES`` accumulat
 
 OK = 0
 NOT_FINITE = 1
+ESCAPED = 2
 
 
 @functools.cache

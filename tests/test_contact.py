@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from warpdamp import Simulation, State
-from warpdamp.engine import contact_constants
+from warpdamp.law import contact_constants
 from warpdamp.timestep import contact_time
 
 RADIUS = 3.73e-3

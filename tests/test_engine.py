@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from warpdamp import Batch, Case, Effects, Simulation, State, engine
+from warpdamp import Batch, Case, Cylinder, Effects, Material, Simulation, SimulationError, State, engine
+from warpdamp.kernels import data
+from warpdamp.packing import separate
 from warpdamp.timestep import steps_per_cycle
 
 RADIUS = 3.73e-3
@@ -69,9 +71,8 @@ def test_the_neighbour_skin_never_changes_a_bit(damper, loose_positions, monkeyp
 
 
 def test_neighbour_lists_hold_every_near_pair_once(make_scene):
-    rng = np.random.default_rng(3)
-    radius = rng.uniform(0.5e-3, 4e-3, 400)
-    states = [State.at_rest(rng.uniform(-0.03, 0.03, (400, 3)), radius) for _ in range(2)]
+    radius = np.random.default_rng(3).uniform(0.5e-3, 4e-3, 400)
+    states = [State.at_rest(separate(radius, Cylinder(0.05, 0.06), seed), radius) for seed in (1, 2)]
     batch = Batch([Case(make_scene(), state, 1e-9) for state in states])
     batch.advance(0)
     batch.read()
@@ -127,30 +128,61 @@ def test_float32_follows_float64_for_a_while(damper, loose_positions):
     assert rows[1].rows.dtype == np.float64
 
 
+def plant_nan(batch, particle):
+    batch._particles.half_velocity.numpy()[particle, 0] = np.nan
+
+
 def test_a_state_that_is_not_finite_stops_its_case_only(damper, loose_positions):
     good = bed_case(damper, loose_positions(1))
-    bad = bed_case(damper, loose_positions(2))
-    bad.state.velocity[17, 0] = np.nan
-    batch = Batch([good, bad], max_rows=2)
+    batch = Batch([good, bed_case(damper, loose_positions(2))], max_rows=2)
+    plant_nan(batch, 120 + 17)
     batch.advance(good.steps_per_cycle)
-    assert batch.status.tolist() == [0, 1]
+    assert batch.status.tolist() == [data.OK, data.NOT_FINITE]
     assert batch.steps[0] == good.steps_per_cycle
     alone = Batch([good], max_rows=2)
     alone.advance(good.steps_per_cycle)
     assert np.array_equal(batch.cycles(0).rows, alone.cycles(0).rows)
 
 
-def test_a_single_simulation_raises_when_it_is_not_finite(make_scene):
-    state = State.at_rest([[0, 0, 0]], RADIUS)
-    state.velocity[0, 0] = np.inf
-    simulation = Simulation(make_scene(), state, 1e-6)
-    with pytest.raises(FloatingPointError, match="smaller step"):
+def test_a_particle_outside_the_cavity_stops_its_case(damper, loose_positions):
+    batch = Batch([bed_case(damper, loose_positions(1))], max_rows=2)
+    batch._particles.position.numpy()[3] = [0.0, 0.0, 0.06]
+    batch.advance(100)
+    assert batch.status.tolist() == [data.ESCAPED]
+
+
+def test_a_single_simulation_raises_when_it_goes_wrong(damper, loose_positions):
+    simulation = Simulation(damper(), State.at_rest(loose_positions(1), RADIUS), 1e-6)
+    plant_nan(simulation, 5)
+    with pytest.raises(SimulationError, match=r"not finite by step .* take a step below 1e-06 s"):
         simulation.advance(10)
 
 
-def test_coincident_spheres_are_pushed_apart_and_stay_finite(make_scene):
-    simulation = Simulation(make_scene(), State.at_rest([[0, 0, 0], [0, 0, 0]], RADIUS), 1e-9)
-    simulation.advance(100)
-    after, _ = simulation.read()
-    assert np.isfinite(after.position).all()
-    assert after.position[0, 2] > after.position[1, 2]
+def test_a_contact_too_deep_for_hertz_is_an_error(make_scene, two_spheres):
+    soft = Material(density=920, youngs_modulus=3.3e5, poissons_ratio=0.37)
+    simulation = Simulation(make_scene(material=soft), two_spheres(2.0), 1e-5)
+    with pytest.raises(SimulationError, match=r"of the reduced radius deep, and Hertz's theory ends at 0.1"):
+        simulation.advance(100)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"position": [[0, 0, 0.01], [0, 0, 0.01]]}, "particles 0 and 1 overlap by 200 %"),
+        ({"position": [[0, 0, 0.01], [0, 0, 0.0163]]}, "particles 0 and 1 overlap by 31.1 %"),
+        ({"position": [[0, 0, 0.003], [0, 0, 0.02]]}, "particle 0 and the floor overlap by 19.6 %"),
+        ({"position": [[0, 0, 0.01], [0, np.nan, 0.02]]}, "position of particle 1 is not finite"),
+        ({"velocity": [[0, 0, np.inf], [0, 0, 0]]}, "velocity of particle 0 is not finite"),
+        ({"radius": [RADIUS, 0.0]}, "radius of particle 1 is not positive"),
+        ({"velocity": [[0, 0, 300.0], [0, 0, 0]]}, "does not resolve the shortest contact expected"),
+    ],
+)
+def test_starts_that_cannot_be_right_are_refused(damper, change, message):
+    given = {
+        "position": [[0, 0, 0.01], [0, 0, 0.02]],
+        "velocity": np.zeros((2, 3)),
+        "radius": [RADIUS, RADIUS],
+    } | change
+    state = State(*(np.array(given[n], float) for n in ("position", "velocity", "velocity", "radius")))
+    with pytest.raises(ValueError, match=message):
+        Simulation(damper(), state, 2e-6)

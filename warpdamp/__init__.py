@@ -27,6 +27,7 @@ _HOMES = {
     "Batch": "engine",
     "Case": "engine",
     "Simulation": "engine",
+    "SimulationError": "guards",
     "Effects": "effects",
     "Ledger": "ledger",
     "Cylinder": "scene",
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from .engine import Batch as Batch
     from .engine import Case as Case
     from .engine import Simulation as Simulation
+    from .guards import SimulationError as SimulationError
     from .ledger import Ledger as Ledger
     from .optimum import peaks as peaks
     from .packing import PackingError as PackingError

@@ -18,10 +18,13 @@ class Effects:
         Of the motion; the ledger is always float64.
     enclosure : bool
         Whether the particles are in a cavity.
+    guards : bool
+        Whether every step checks that the state is finite, and every launch that all particles are in the cavity.
     """
 
     precision: Literal["float64", "float32"] = "float64"
     enclosure: bool = True
+    guards: bool = True
 
     @property
     def real(self):

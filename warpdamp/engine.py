@@ -8,41 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
+from . import guards
 from .device import DEVICE
 from .effects import Effects
 from .kernels import data
 from .kernels.advance import stepper
 from .kernels.ledger import Row
 from .kernels.neighbours import neighbour_search
+from .law import contact_constants
 from .ledger import Ledger
-from .scene import Material, Scene, State, Surface
+from .scene import Scene, State
+from .timestep import check_step
 
 SKIN = 0.2
 """Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results."""
 
 _NEVER = np.iinfo(np.int32).max
-
-
-def dashpot(restitution: float) -> float:
-    """b = -ln e / sqrt(ln^2 e + pi^2), 1 at e = 0 (Tsuji et al. 1992, doi:10.1016/0032-5910(92)88030-L)."""
-    if restitution == 0:
-        return 1.0
-    log = math.log(restitution)
-    return -log / math.hypot(log, math.pi)
-
-
-def contact_constants(one: Material, other: Material, surface: Surface) -> dict:
-    """E*, G*, the dashpots' factors and friction of two materials, as ``kernels.data.Law`` holds them."""
-    modulus = 1 / sum((1 - m.poissons_ratio**2) / m.youngs_modulus for m in (one, other))
-    shear_modulus = 1 / sum((2 - m.poissons_ratio) / m.shear_modulus for m in (one, other))
-    damping = 2 * math.sqrt(5 / 6) * dashpot(surface.restitution)
-    return {
-        "modulus": modulus,
-        "shear_modulus": shear_modulus,
-        "normal_damping": damping * math.sqrt(2 * modulus),
-        "tangential_damping": damping * math.sqrt(8 * shear_modulus),
-        "friction": surface.friction,
-    }
 
 
 @dataclass(frozen=True)
@@ -62,6 +43,9 @@ class Case:
     steps_per_cycle: int | None = None
 
 
+_WENT_WRONG = {data.NOT_FINITE: "the state is not finite", data.ESCAPED: "a particle has left the cavity"}
+
+
 class Batch:
     """Cases that advance together.  Each gives the same bits as alone."""
 
@@ -73,6 +57,8 @@ class Batch:
         self._advance, self._synchronise = stepper(self.effects)
         self._count_pairs, self._list_pairs = neighbour_search(self.effects)
 
+        for case in self.cases:
+            guards.check_values(case.state)
         counts = [len(case.state) for case in self.cases]
         self._first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
         self._max_rows = max_rows
@@ -94,6 +80,7 @@ class Batch:
         self._cell = 2 * self._largest_radius * (1 + SKIN)
         side = int(np.clip(2 * np.ceil(np.cbrt(max(counts))), 8, 128))
         self._grid = wp.HashGrid(side, side, side, device=DEVICE, dtype=self.effects.real)
+        self._check_overlaps()
 
     def _device_case(self, k: int):
         t, case = self._types, self.cases[k]
@@ -170,6 +157,14 @@ class Batch:
         wp.launch(self._list_pairs, n, [*search, old, fresh, self._drifts], device=DEVICE)
         self._contacts = fresh
 
+    def _check_overlaps(self):
+        self._find_neighbours()
+        start, partner = self._contacts.start.numpy(), self._contacts.partner.numpy()
+        for case, first, last in zip(self.cases, self._first[:-1], self._first[1:], strict=True):
+            owner = np.repeat(np.arange(last - first), np.diff(start[first : last + 1]))
+            pairs = np.stack([owner, partner[start[first] : start[last]] - first], axis=1)
+            guards.check_overlaps(case.scene, case.state, pairs)
+
     @property
     def steps(self) -> np.ndarray:
         """Step number that each case has reached."""
@@ -177,13 +172,13 @@ class Batch:
 
     @property
     def status(self) -> np.ndarray:
-        """``kernels.data.OK`` or ``NOT_FINITE`` for each case."""
+        """``OK``, ``NOT_FINITE`` or ``ESCAPED`` of ``kernels.data`` for each case."""
         return self._status.numpy().copy()
 
     def advance(self, steps) -> None:
         """Run every case on to its step number in ``steps`` (one for all, or one each).
 
-        A case whose state is no longer finite stops where it is; see ``status``.
+        A case whose state is no longer finite, or that has lost a particle, stops where it is; see ``status``.
         """
         self._target.assign(np.broadcast_to(np.asarray(steps, np.int64), len(self.cases)).copy())
         done, target, status = self._steps.numpy(), self._target.numpy(), self._status.numpy()
@@ -253,6 +248,11 @@ class Simulation(Batch):
     state : State
     dt : step [s]
 
+    Raises
+    ------
+    ValueError
+        If the start is not finite or overlaps too deeply, or the step does not resolve the fastest contact expected.
+
     Examples
     --------
     >>> ball = State.at_rest([[0, 0, 0.02]], radius=0.00373)
@@ -262,17 +262,29 @@ class Simulation(Batch):
     """
 
     def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None):
+        guards.check_values(state)
+        check_step(scene, state, dt)
         super().__init__([Case(scene, state, dt)], effects=effects)
         self._start = super().read()[0][1].rows
 
     def advance(self, steps: int) -> None:
-        """Run ``steps`` more steps; raises ``FloatingPointError`` if the state is no longer finite."""
+        """Run ``steps`` more steps.
+
+        Raises
+        ------
+        guards.SimulationError
+            If the state is no longer finite, a particle has left the cavity, a contact is too deep for Hertz's theory,
+            or the energy ledger does not close.
+        """
         super().advance(int(self.steps[0]) + steps)
         if self.status[0] != data.OK:
-            raise FloatingPointError(
-                f"state is not finite at step {self.steps[0]}: take a smaller step than {self.cases[0].dt:g} s, "
-                "or look for particles that start in deep overlap"
+            _, ledger = super().read()[0]
+            raise guards.SimulationError(
+                f"{_WENT_WRONG[int(self.status[0])]} by step {self.steps[0]} (largest overlap so far "
+                f"{ledger['largest_overlap'][0]:.2g} of the reduced radius): take a step below {self.cases[0].dt:.3g} s"
             )
+        _, ledger = self.read()
+        guards.check_run(ledger, self.cases[0].dt)
 
     def read(self) -> tuple[State, Ledger]:
         """State now, and the ledger's rows at the start and now."""

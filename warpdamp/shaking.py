@@ -10,7 +10,8 @@ import numpy as np
 
 from .effects import Effects
 from .engine import Batch, Case
-from .kernels.data import OK
+from .guards import DEEPEST, LARGEST_RESIDUAL
+from .kernels.data import ESCAPED, NOT_FINITE, OK
 from .ledger import CHANNELS, Ledger, apparent_mass, harmonic_work, maximum_energy
 from .packing import Request, prepare
 from .scene import Drive, Scene, State
@@ -124,7 +125,7 @@ def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
 def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) -> dict | None:
     """The averages of a case, or None if it has to go on."""
     if batch.status[k] != OK:
-        return {"status": int(Status.FAILED), "cycles": cycles, "steps": int(batch.steps[k])}
+        return {"status": int(_FAILURES[batch.status[k]]), "cycles": cycles, "steps": int(batch.steps[k])}
     ledger = batch.cycles(k)
     drive = spec.scene.drive
     mass = float(np.sum(spec.scene.mass(spec.bed.radius)))
@@ -140,15 +141,29 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
     precise = average.standard_error <= max(criteria.standard_error * average.mean, smallest)
     if (average.drifting or not precise) and cycles < criteria.most:
         return None
-    status = Status.DRIFTING if average.drifting else Status.STEADY if precise else Status.IMPRECISE
-    return _values(ledger.between(average.discarded, cycles), spec, mass, smallest) | {
+    values = _values(ledger.between(average.discarded, cycles), spec, mass, smallest)
+    return values | {
         "energy_dissipated": average.mean,
         "energy_dissipated_standard_error": average.standard_error,
-        "status": int(status),
+        "status": int(_status(values, average, precise)),
         "cycles": cycles,
         "cycles_discarded": average.discarded,
         "steps": cycles * spec.steps_per_cycle,
     }
+
+
+_FAILURES = {NOT_FINITE: Status.NOT_FINITE, ESCAPED: Status.ESCAPED}
+
+
+def _status(values: dict, average: Steady, precise: bool) -> Status:
+    """The worst that can be said of a case."""
+    if values["largest_overlap"] > DEEPEST:
+        return Status.TOO_DEEP
+    if values["ledger_residual"] > LARGEST_RESIDUAL:
+        return Status.UNBALANCED
+    if average.drifting:
+        return Status.DRIFTING
+    return Status.STEADY if precise else Status.IMPRECISE
 
 
 def _settled(ledger: Ledger, drive: Drive, fewest: int, smallest: float) -> Steady:
@@ -194,7 +209,8 @@ def paper_criteria(frequency: float) -> Criteria:
 
 def warm_up(effects: Effects, scene: Scene) -> None:
     """Compile the kernels of ``effects`` into the cache on disk, before workers start."""
-    ball = State.at_rest([[0, 0, 0.0]], 1e-3)
+    middle = [0, 0, scene.enclosure.height / 2]
+    ball = State.at_rest(middle, scene.enclosure.height / 100)
     batch = Batch([Case(scene, ball, 1e-6, 1)], max_rows=2, effects=effects)
     batch.advance(1)
     batch.read()

@@ -21,7 +21,10 @@ class Status(IntEnum):
     STEADY = 0
     DRIFTING = 1
     IMPRECISE = 2
-    FAILED = 3
+    UNBALANCED = 3
+    TOO_DEEP = 4
+    NOT_FINITE = 5
+    ESCAPED = 6
 
     @property
     def meaning(self) -> str:
@@ -34,7 +37,11 @@ _MEANINGS = {
     Status.DRIFTING: "still drifting, or work and dissipation out of balance, at the limit of cycles: "
     "raise steady_state.most_cycles",
     Status.IMPRECISE: "steady, but the standard error is larger than asked: raise steady_state.most_cycles",
-    Status.FAILED: "the state was no longer finite: take a smaller step (numerics.steps_per_contact)",
+    Status.UNBALANCED: "the energy ledger does not close to 2 %: raise numerics.steps_per_contact",
+    Status.TOO_DEEP: "contacts deeper than a tenth of the reduced radius, where Hertz's theory ends: take a stiffer "
+    "material or lower amplitudes",
+    Status.NOT_FINITE: "the state was no longer finite: raise numerics.steps_per_contact",
+    Status.ESCAPED: "a particle left the cavity: raise numerics.steps_per_contact, or lower the amplitude",
 }
 
 

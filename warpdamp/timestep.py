@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from .engine import contact_constants
-from .scene import Scene
+from .law import contact_constants
+from .scene import Scene, State
 
 STEPS_PER_CONTACT = 20
 """Restitution then comes out within 2 % and a bed's ledger closes to 0.3 % (docs/verification)."""
@@ -57,3 +57,27 @@ def steps_per_cycle(scene: Scene, radius, *, steps_per_contact: float = STEPS_PE
     """Smallest whole number of steps a cycle that are no longer than ``contact_step``."""
     dt = contact_step(scene, radius, steps_per_contact=steps_per_contact)
     return math.ceil(1 / (scene.drive.frequency * dt))
+
+
+def check_step(scene: Scene, state: State, dt: float) -> None:
+    """Refuse a step that does not resolve the fastest contact expected from a given state.
+
+    Raises
+    ------
+    ValueError
+        Names the contact time and the largest step allowed.
+    """
+    if not dt > 0:
+        raise ValueError(f"the step must be positive, got {dt:g} s")
+    if scene.enclosure is None and len(state) == 1:
+        return  # nothing to meet
+    moving = 2 * float(np.max(np.linalg.norm(state.velocity, axis=1), initial=0.0))
+    speed = max(moving, expected_speed(scene, state.radius))
+    if speed == 0:
+        return  # nothing moves, and nothing makes it move
+    shortest = shortest_contact(scene, state.radius, speed)
+    if dt > shortest / FEWEST_STEPS_PER_CONTACT:
+        raise ValueError(
+            f"a step of {dt:.3g} s does not resolve the shortest contact expected, {shortest:.3g} s at "
+            f"{speed:.3g} m/s: take at most {shortest / FEWEST_STEPS_PER_CONTACT:.2g} s"
+        )
