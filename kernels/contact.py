@@ -2,13 +2,13 @@
 
 With overlap d, contact radius a = sqrt(R* d) and reduced mass m* (a wall: R* = R, m* = m):
 
-    Fn = 4/3 E* a d + 2 sqrt(5/6) b sqrt(Sn m*) vn,   Sn = 2 E* a,   b = -ln e / sqrt(ln^2 e + pi^2)
-    Ft = St xi - 2 sqrt(5/6) b sqrt(St m*) vt,         St = 8 G* a,   |Ft| <= mu max(Fn, 0)
+    Fn = max(4/3 E* a d + 2 sqrt(5/6) b sqrt(Sn m*) vn, 0),   Sn = 2 E* a
+    Ft = St xi - 2 sqrt(5/6) b sqrt(St m*) vt,                 St = 8 G* a,   |Ft| <= mu Fn
 
-where vn is the approach speed, vt the slip velocity, and the stretch xi follows d(xi)/dt = -vt
-
-(Hertz; Mindlin 1949; Tsuji, Tanaka & Ishida 1992, doi:10.1016/0032-5910(92)88030-L; the form EDEM uses by default.)
-The dashpot may pull at the end of a contact: only then does a bounce return the restitution e that was asked for.
+where vn is the approach speed, vt the slip velocity, and the stretch xi follows d(xi)/dt = -vt (Hertz; Mindlin 1949;
+Tsuji, Tanaka & Ishida 1992, doi:10.1016/0032-5910(92)88030-L).  Dry grains do not pull: without tension the impulse of
+sliding friction is mu times that of the normal force, (1 + e) m* vn, which the pull of the textbook's dashpot raises by
+3 % at e = 0.5.  Its b is found so that a bounce still returns the restitution asked for; see ``warpdamp/law.py``.
 
 Tangential history
     The spring's stretch xi is stored with the contact radius of the same moment.  When a contact unloads, St falls and
@@ -52,34 +52,38 @@ def contact_law(effects):
     def friction(stiffness: real, damping: real, limit: real, held: vec3, trial: vec3, velocity: vec3, h: real):
         """Tangential force, the stretch after the step, and the energy lost to dashpot and slip.
 
-        ``held`` and ``trial`` are the stretch before the step and after it without friction's limit.
+        ``held`` and ``trial`` are the stretch before the step and after it without friction's limit.  First the spring
+        is cut to the limit, then as much of the dashpot is added as the limit leaves room for: while sliding on, none;
+        when sliding turns round, all, so that the force has no jump there.
         """
         limit2 = limit * limit
+        stretch = trial
+        spring = real(0.5) * stiffness * (held + trial)
+        slip = real(0.0)
         trial2 = stiffness * stiffness * wp.dot(trial, trial)
+        spring2 = wp.dot(spring, spring)
         if trial2 > limit2:
             size = wp.sqrt(trial2)
             stretch = trial * (limit / size)
+            spring = stiffness * stretch
+            spring2 = limit2
             jump = stretch - held
             slip = limit * (size - limit) / stiffness + real(0.5) * stiffness * wp.dot(jump, jump)
-            return stiffness * stretch, stretch, real(0.0), slip
+        elif spring2 > limit2:  # turning back, while the limit fell below the spring's force
+            cut = limit / wp.sqrt(spring2)
+            slip = real(0.5) * stiffness * (real(1.0) - cut) * (wp.dot(held, held) - wp.dot(trial, trial))
+            spring *= cut
+            spring2 = limit2
 
-        spring = real(0.5) * stiffness * (held + trial)
         viscous = -damping * velocity
         total = spring + viscous
         share = real(1.0)
-        slip = real(0.0)
-        if wp.dot(total, total) > limit2:
-            spring2 = wp.dot(spring, spring)
-            if spring2 >= limit2:  # the limit fell below the spring's force: the spring alone, cut to it
-                cut = limit / wp.sqrt(spring2)
-                slip = real(0.5) * stiffness * (real(1.0) - cut) * (wp.dot(held, held) - wp.dot(trial, trial))
-                spring *= cut
-                share = real(0.0)
-            else:  # as much of the dashpot as the limit leaves room for: |spring + share viscous| = limit
-                along = wp.dot(spring, viscous)
-                viscous2 = wp.dot(viscous, viscous)
-                share = (wp.sqrt(along * along + viscous2 * (limit2 - spring2)) - along) / viscous2
-        return spring + share * viscous, trial, share * damping * wp.dot(velocity, velocity) * h, slip
+        if wp.dot(total, total) > limit2:  # |spring + share viscous| = limit
+            along = wp.dot(spring, viscous)
+            viscous2 = wp.dot(viscous, viscous)
+            share = wp.max(wp.sqrt(along * along + viscous2 * (limit2 - spring2)) - along, real(0.0)) / viscous2
+            total = spring + share * viscous
+        return total, stretch, share * damping * wp.dot(velocity, velocity) * h, slip
 
     @wp.func
     def contact(
@@ -116,8 +120,9 @@ def contact_law(effects):
         root = wp.sqrt(a / inverse_mass)
 
         approach = -wp.dot(velocity, normal)
-        normal_dashpot = law.normal_damping * root * approach
-        normal_force = real(4.0 / 3.0) * law.modulus * a * overlap + normal_dashpot
+        spring = real(4.0 / 3.0) * law.modulus * a * overlap
+        normal_dashpot = wp.max(law.normal_damping * root * approach, -spring)  # no tension
+        normal_force = spring + normal_dashpot
 
         old_a = history[3]
         stretch = vec3(history[0], history[1], history[2])
@@ -132,7 +137,7 @@ def contact_law(effects):
         tangential_force, stretch_after, dashpot_loss, slip_loss = friction(
             stiffness,
             law.tangential_damping * root + lag,
-            law.friction * wp.max(normal_force, real(0.0)),
+            law.friction * normal_force,
             held,
             trial,
             slip_velocity,

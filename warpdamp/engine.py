@@ -199,6 +199,30 @@ class Batch:
         first = k * self._max_rows
         return Ledger(self._rows.numpy()[first : first + reached + 1].copy())
 
+    def checkpoint(self) -> dict[str, np.ndarray]:
+        """All that a run has, as arrays: ``restore`` it into a batch of the same cases and go on to the same bits."""
+        return {name: array.numpy().copy() for name, array in self._changing().items()}
+
+    def restore(self, checkpoint: dict[str, np.ndarray]) -> None:
+        """Go back to a ``checkpoint``."""
+        pairs = checkpoint["partner"].shape[0]
+        self._contacts.partner = wp.empty(pairs, dtype=wp.int32, device=DEVICE)
+        self._contacts.pair_history = wp.empty(pairs, dtype=self._types.vec4, device=DEVICE)
+        for name, array in self._changing().items():
+            array.assign(checkpoint[name])
+
+    def _changing(self) -> dict:
+        p, c = self._particles, self._contacts
+        own = {name: getattr(p, name) for name in self._types.Particles.vars}
+        own |= {name: getattr(c, name) for name in self._types.Contacts.vars}
+        return own | {
+            "steps": self._steps,
+            "drifts": self._drifts,
+            "tallies": self._tallies,
+            "rows": self._rows,
+            "status": self._status,
+        }
+
     def read(self) -> list[tuple[State, Ledger]]:
         """State and ledger of every case now, velocities brought to the whole step.
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from .law import contact_constants
+from .law import contact_constants, dashpot
 from .scene import Scene, State
 
 STEPS_PER_CONTACT = 20
@@ -40,12 +40,18 @@ def expected_speed(scene: Scene, radius) -> float:
 
 
 def shortest_contact(scene: Scene, radius, speed: float) -> float:
-    """Shortest contact time [s] at a relative ``speed``: two of the smallest spheres, or one and the wall."""
+    """Shortest contact time [s] at a relative ``speed``: two of the smallest spheres, or one and the wall.
+
+    A restitution below about 0.15 takes a dashpot with b > 1, which acts b times as fast as the spring.
+    """
     smallest = float(np.min(radius))
     mass = float(scene.mass(smallest))
     pair = contact_constants(scene.particle, scene.particle, scene.particle_contact)["modulus"]
     wall = contact_constants(scene.particle, scene.wall, scene.wall_contact)["modulus"]
-    return min(contact_time(pair, smallest / 2, mass / 2, speed), contact_time(wall, smallest, mass, speed))
+    return min(
+        contact_time(pair, smallest / 2, mass / 2, speed) / max(1.0, dashpot(scene.particle_contact.restitution)),
+        contact_time(wall, smallest, mass, speed) / max(1.0, dashpot(scene.wall_contact.restitution)),
+    )
 
 
 def contact_step(scene: Scene, radius, *, steps_per_contact: float = STEPS_PER_CONTACT) -> float:

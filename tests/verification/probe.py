@@ -1,0 +1,74 @@
+"""The contact law of the kernels on a prescribed path, without any particle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from warpdamp import Effects
+from warpdamp.kernels.contact import contact_law
+from warpdamp.kernels.data import types
+
+effects = Effects()
+t = types(effects.real)
+Law = t.Law
+contact, normal_energy, tangential_energy = contact_law(effects)
+
+
+@wp.kernel(enable_backward=False, module="unique")
+def along_path(
+    law: Law,
+    inverse_radius: wp.float64,
+    inverse_mass: wp.float64,
+    h: wp.float64,
+    overlap: wp.array(dtype=wp.float64),
+    approach: wp.array(dtype=wp.float64),
+    sliding: wp.array(dtype=wp.float64),
+    # out:
+    force: wp.array(dtype=wp.vec2d),
+    losses: wp.array(dtype=wp.vec4d),
+    stored: wp.array(dtype=wp.float64),
+):
+    normal = wp.vec3d(wp.float64(0.0), wp.float64(0.0), wp.float64(1.0))
+    history = wp.vec4d()
+    for n in range(overlap.shape[0]):
+        velocity = wp.vec3d(sliding[n], wp.float64(0.0), -approach[n])
+        f, history, lost = contact(
+            law, inverse_radius, inverse_mass, overlap[n], normal, velocity, wp.float64(0.0), history, h
+        )
+        force[n] = wp.vec2d(f[2], f[0])
+        losses[n] = lost
+        stored[n] = tangential_energy(law, history)
+
+
+@dataclass
+class Path:
+    """What the law gave along a path: place (n, 2), force (n, 2) [N], and the energies [J]."""
+
+    place: np.ndarray
+    force: np.ndarray
+    net_work: float
+    largest_store: float
+    unbalanced: float
+
+
+def probe(constants, places, *, h, inverse_radius, inverse_mass) -> Path:
+    """Follow ``places`` (n + 1, 2) of (overlap, tangential place) [m] in steps of ``h`` [s], each at its middle."""
+    law = Law()
+    for name, value in constants.items():
+        setattr(law, name, value)
+    middle, rate = (places[1:] + places[:-1]) / 2, np.diff(places, axis=0) / h
+    n = len(middle)
+    force = wp.zeros(n, dtype=wp.vec2d, device="cpu")
+    losses = wp.zeros(n, dtype=wp.vec4d, device="cpu")
+    stored = wp.zeros(n, dtype=wp.float64, device="cpu")
+    given = [wp.array(np.ascontiguousarray(a), dtype=wp.float64, device="cpu") for a in (middle[:, 0], *rate.T)]
+    wp.launch(along_path, 1, [law, inverse_radius, inverse_mass, h, *given, force, losses, stored], device="cpu")
+    f, lost, kept = force.numpy(), losses.numpy(), stored.numpy()
+    tangential = -f[:, 1] * rate[:, 1] * h
+    normal = f[:, 0] * rate[:, 0] * h
+    balance = np.cumsum(tangential) - kept - np.cumsum(lost[:, 1:].sum(axis=1))
+    return Path(
+        place=middle, force=f, net_work=float(tangential.sum() + normal.sum()),
+        largest_store=float(max(np.max(kept), 0.4 * np.max(f[:, 0] * middle[:, 0]))), unbalanced=float(np.abs(balance).max()),
+    )  # fmt: skip
