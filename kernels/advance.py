@@ -25,14 +25,14 @@ def stepper(effects):
     stored = ledger(effects)
 
     @wp.func
-    def forces(case: Case, p: Particles, c: Contacts, step: wp.int64, h: real, row: Row):
+    def forces(case: Case, p: Particles, c: Contacts, step: wp.int64, h: real, since: real, row: Row):
         """All contact forces of a step, tallied; returns minus the enclosure's acceleration [m/s^2] and the row."""
-        pair_losses, pair_overlap = pair_forces(case, p, c, h)
+        pair_losses, pair_overlap = pair_forces(case, p, c, h, since)
         reaction = vec3()
         wall_losses = wp.vec4d()
         wall_overlap = real(0.0)
         if wp.static(effects.enclosure):
-            reaction, wall_losses, wall_overlap = wall_forces(case, p, c, h)
+            reaction, wall_losses, wall_overlap = wall_forces(case, p, c, h, since)
 
         cosine, sine = enclosure_phase(case, step)
         inertial = case.acceleration * real(sine) * case.direction
@@ -80,11 +80,13 @@ def stepper(effects):
         travel2 = real(0.0)
         while step < target[n] and travel2 <= limit2:
             h = case.dt
+            since = case.dt
             if step == wp.int64(0):
                 h = real(0.5) * case.dt  # from the given velocities at step 0 to the half step
+                since = real(0.0)
                 rows[case.first_row] = stored(case, p, c, row, real(0.0))
 
-            inertial, row = forces(case, p, c, step, h, row)
+            inertial, row = forces(case, p, c, step, h, since, row)
             work, travel2, mean_velocity = integrate(case, p, inertial, h, drift)
             row[WORK] += work
             drift += case.dt * mean_velocity
@@ -95,9 +97,9 @@ def stepper(effects):
                     status[n] = _NOT_FINITE
 
             if step % wp.int64(case.cycle) == wp.int64(0):
-                rows[case.first_row + wp.int32(step / wp.int64(case.cycle))] = stored(
-                    case, p, c, row, real(0.5) * case.dt
-                )
+                cycle = wp.int32(step / wp.int64(case.cycle))
+                if cycle < case.rows:
+                    rows[case.first_row + cycle] = stored(case, p, c, row, real(0.5) * case.dt)
         if wp.static(effects.guards and effects.enclosure):
             if status[n] == 0:
                 status[n] = contained(case, p)
@@ -121,7 +123,7 @@ def stepper(effects):
         step = steps[n]
         if step > wp.int64(0):
             h = real(0.5) * case.dt
-            inertial, row = forces(case, p, c, step, h, row)
+            inertial, row = forces(case, p, c, step, h, case.dt, row)
             row[WORK] += kick(case, p, inertial, h)
         tallies[n] = stored(case, p, c, row, real(0.0))
 

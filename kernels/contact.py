@@ -14,14 +14,16 @@ Tangential history
     The spring's stretch xi is stored with the contact radius of the same moment.  When a contact unloads, St falls and
     xi is kept, so the force falls with St (Thornton, Cummins & Cleary 2013, doi:10.1016/j.powtec.2012.08.012); when it
     loads, the force is kept.  Either way stored energy can only be given up, never created.
-    The stretch lives at half steps, like the velocities: the force of step n is the mean of the spring before and after
-    it, so that a sticking contact neither gains nor loses energy (first-order forms lose 30 % of a tangential swing at
-    20 steps per contact).  The velocity at n is a prediction, however, and the lag would feed the spring by
-    (w dt)^4/8 a step; a numerical dashpot of twice that size outweighs it.
+    Like the positions, and unlike the velocities, the stretch lives at whole steps: it advances by the way that the
+    surfaces slid past each other since the last step, at the half-step velocities and in the plane of that half step.
+    So the spring is integrated as the positions are, and neither heats nor cools a bed of sticking contacts.  (Advanced
+    by velocities predicted for the whole step it feeds a jammed bed; taken at the end of the step alone it would lose
+    30 % of a tangential swing at 20 steps a contact.)
 
 Energy
-    Each loss below is non-negative by its own formula, and together with the stored energies they equal -F . v dt of
-    the step exactly in the tangential direction and to second order in the normal one.
+    The work of friction between two steps is the mean of its force at both times the way slid.  Less the change of the
+    stored energy it splits into what loading and unloading give up (history) and what slides (slip); dashpots lose
+    their coefficient times the square of the predicted velocity.  Each loss is non-negative by its own formula.
 """
 
 import functools
@@ -33,7 +35,7 @@ from .data import types
 
 @functools.cache
 def contact_law(effects):
-    """Return ``contact`` and ``stored`` for the given effects."""
+    """Return ``contact``, ``normal_energy`` and ``tangential_energy`` for the given effects."""
     t = types(effects.real)
     real, vec3, vec4 = t.real, t.vec3, t.vec4
     Law = t.Law
@@ -49,41 +51,20 @@ def contact_law(effects):
         return flat
 
     @wp.func
-    def friction(stiffness: real, damping: real, limit: real, held: vec3, trial: vec3, velocity: vec3, h: real):
-        """Tangential force, the stretch after the step, and the energy lost to dashpot and slip.
+    def damped(spring: vec3, viscous: vec3, limit: real):
+        """The share of the dashpot's force that friction's limit leaves room for beside the spring's.
 
-        ``held`` and ``trial`` are the stretch before the step and after it without friction's limit.  First the spring
-        is cut to the limit, then as much of the dashpot is added as the limit leaves room for: while sliding on, none;
-        when sliding turns round, all, so that the force has no jump there.
+        While sliding on, none; when sliding turns round, all: the force has no jump there.
         """
-        limit2 = limit * limit
-        stretch = trial
-        spring = real(0.5) * stiffness * (held + trial)
-        slip = real(0.0)
-        trial2 = stiffness * stiffness * wp.dot(trial, trial)
-        spring2 = wp.dot(spring, spring)
-        if trial2 > limit2:
-            size = wp.sqrt(trial2)
-            stretch = trial * (limit / size)
-            spring = stiffness * stretch
-            spring2 = limit2
-            jump = stretch - held
-            slip = limit * (size - limit) / stiffness + real(0.5) * stiffness * wp.dot(jump, jump)
-        elif spring2 > limit2:  # turning back, while the limit fell below the spring's force
-            cut = limit / wp.sqrt(spring2)
-            slip = real(0.5) * stiffness * (real(1.0) - cut) * (wp.dot(held, held) - wp.dot(trial, trial))
-            spring *= cut
-            spring2 = limit2
-
-        viscous = -damping * velocity
         total = spring + viscous
+        limit2 = limit * limit
         share = real(1.0)
         if wp.dot(total, total) > limit2:  # |spring + share viscous| = limit
             along = wp.dot(spring, viscous)
             viscous2 = wp.dot(viscous, viscous)
-            share = wp.max(wp.sqrt(along * along + viscous2 * (limit2 - spring2)) - along, real(0.0)) / viscous2
-            total = spring + share * viscous
-        return total, stretch, share * damping * wp.dot(velocity, velocity) * h, slip
+            room = wp.max(limit2 - wp.dot(spring, spring), real(0.0))
+            share = wp.max(wp.sqrt(along * along + viscous2 * room) - along, real(0.0)) / viscous2
+        return wp.min(share, real(1.0))
 
     @wp.func
     def contact(
@@ -93,21 +74,25 @@ def contact_law(effects):
         overlap: real,
         normal: vec3,
         velocity: vec3,
-        spin: real,
+        slid: vec3,
+        turn: real,
         history: vec4,
         h: real,
     ):
-        """Force on i, the new history, and the energy lost in a step of length ``h``.
+        """Force on i, the new history, and the energy lost.
 
         Parameters
         ----------
         law : Law
         inverse_radius, inverse_mass : 1/R* [1/m], 1/m* [1/kg]
         overlap [m], normal, velocity [m/s]
-            Velocity of i's surface relative to the partner's.
-        spin [rad/s]
-            Mean spin of the two bodies about the normal.
+            Velocity of i's surface relative to the partner's, predicted for this step.
+        slid : vec3 [m]
+            How far i's surface slid past the partner's since the last step.
+        turn [rad]
+            By how much the two bodies turned about the normal since the last step, in the mean.
         history : (xi [m], a [m])
+        h : time that this step stands for [s]
 
         Returns
         -------
@@ -120,34 +105,51 @@ def contact_law(effects):
         root = wp.sqrt(a / inverse_mass)
 
         approach = -wp.dot(velocity, normal)
-        spring = real(4.0 / 3.0) * law.modulus * a * overlap
-        normal_dashpot = wp.max(law.normal_damping * root * approach, -spring)  # no tension
-        normal_force = spring + normal_dashpot
+        spring_force = real(4.0 / 3.0) * law.modulus * a * overlap
+        normal_dashpot = wp.max(law.normal_damping * root * approach, -spring_force)  # no tension
+        normal_force = spring_force + normal_dashpot
+        limit = law.friction * normal_force
 
+        # the stretch without friction's limit: the force is kept on loading, the stretch on unloading
         old_a = history[3]
-        stretch = vec3(history[0], history[1], history[2])
-        held = turned(stretch, normal, spin * h)
-        if old_a < a:
-            held *= old_a / a
-        slip_velocity = velocity + approach * normal
-        trial = held - h * slip_velocity
+        old = vec3(history[0], history[1], history[2])
+        kept = wp.min(old_a / a, real(1.0))
+        gain = real(0.5) * (real(1.0) + kept)
+        trial = turned(kept * old - gain * slid, normal, turn)
 
         stiffness = real(8.0) * law.shear_modulus * a
-        lag = real(1.75) * stiffness * stiffness * inverse_mass * h * h * h
-        tangential_force, stretch_after, dashpot_loss, slip_loss = friction(
-            stiffness,
-            law.tangential_damping * root + lag,
-            law.friction * normal_force,
-            held,
-            trial,
-            slip_velocity,
-            h,
-        )
-        given_up = real(4.0) * law.shear_modulus * (old_a * wp.dot(stretch, stretch) - a * wp.dot(held, held))
+        old_stiffness = real(8.0) * law.shear_modulus * old_a
+        stretch = trial
+        slip = real(0.0)
+        trial2 = stiffness * stiffness * wp.dot(trial, trial)
+        if trial2 > limit * limit:
+            stretch = trial * (limit / wp.sqrt(trial2))
+            slid_off = (trial - stretch) / gain
+            slip = wp.max(real(0.5) * wp.dot(old_stiffness * old + stiffness * stretch, slid_off), real(0.0))
+
+        old2 = wp.dot(old, old)
+        new2 = wp.dot(stretch, stretch)
+        given_up = real(0.25) * (old_stiffness - stiffness) * (old2 + new2)
+        if old_a < a:
+            mean = real(0.5) * (stiffness + old_stiffness)
+            given_up = real(0.5) * (
+                stiffness * new2 * (stiffness / mean - real(1.0))
+                + old_stiffness * old2 * (real(1.0) - old_stiffness / mean)
+            )
+
+        slip_velocity = velocity + approach * normal
+        damping = law.tangential_damping * root
+        share = damped(stiffness * stretch, -damping * slip_velocity, limit)
+        tangential_force = stiffness * stretch - share * damping * slip_velocity
         return (
             normal_force * normal + tangential_force,
-            vec4(stretch_after[0], stretch_after[1], stretch_after[2], a),
-            vec4(normal_dashpot * approach * h, dashpot_loss, slip_loss, given_up),
+            vec4(stretch[0], stretch[1], stretch[2], a),
+            vec4(
+                normal_dashpot * approach * h,
+                share * damping * wp.dot(slip_velocity, slip_velocity) * h,
+                slip,
+                given_up,
+            ),
         )
 
     @wp.func

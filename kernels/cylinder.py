@@ -11,7 +11,7 @@ import warp as wp
 from .contact import contact_law
 from .data import types
 
-SIDE, FLOOR, LID = wp.constant(0), wp.constant(1), wp.constant(2)
+FLOOR, LID = wp.constant(1), wp.constant(2)  # 0 is the side
 
 
 @functools.cache
@@ -37,10 +37,11 @@ def wall_contacts(effects):
         return reach - rho, vec3(-x[0] / rho, -x[1] / rho, real(0.0))
 
     @wp.func
-    def wall_forces(case: Case, p: Particles, c: Contacts, h: real):
+    def wall_forces(case: Case, p: Particles, c: Contacts, h: real, since: real):
         """Add all wall forces and torques of a case.
 
-        Returns the force on the enclosure [N], the losses [J] and the largest overlap over R.
+        The step stands for ``h`` seconds, and comes ``since`` seconds after the last one.  Returns the force on the
+        enclosure [N], the losses [J] and the largest overlap over R.
         """
         reaction = vec3()
         losses = wp.vec4d()
@@ -52,6 +53,9 @@ def wall_contacts(effects):
                 gap, normal = wall_gap(case, wall, x, radius)
                 if gap < real(0.0):
                     spin = p.spin[i]
+                    half_spin = p.half_spin[i]
+                    passing = p.half_velocity[i]
+                    passing -= wp.dot(passing, normal) * normal
                     arm = radius + gap
                     f, history, lost = contact(
                         case.wall_law,
@@ -60,7 +64,8 @@ def wall_contacts(effects):
                         -gap,
                         normal,
                         p.velocity[i] - arm * wp.cross(spin, normal),
-                        real(0.5) * wp.dot(spin, normal),
+                        since * (passing - arm * wp.cross(half_spin, normal)),
+                        real(0.5) * since * wp.dot(half_spin, normal),
                         c.wall_history[3 * i + wall],
                         h,
                     )

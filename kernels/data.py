@@ -47,6 +47,7 @@ def types(real):
         first: wp.int32  # its particles are first .. first + count - 1
         count: wp.int32
         first_row: wp.int32  # its ledger rows start here
+        rows: wp.int32  # and are so many
         cycle: wp.int32  # steps per cycle of the drive (a row is written at the end of each)
         dt: real  # [s]
         skin: real  # extra reach of the neighbour list [m]

@@ -9,7 +9,7 @@ from .data import types
 
 @functools.cache
 def motion(effects):
-    """Return ``enclosure_phase`` and ``integrate`` for the given effects."""
+    """Return ``enclosure_phase``, ``integrate`` and ``kick`` for the given effects."""
     t = types(effects.real)
     real, vec3 = t.real, t.vec3
     Case, Particles = t.Case, t.Particles

@@ -17,8 +17,10 @@ def pair_contacts(effects):
     contact, normal_energy, tangential_energy = contact_law(effects)
 
     @wp.func
-    def pair_forces(case: Case, p: Particles, c: Contacts, h: real):
+    def pair_forces(case: Case, p: Particles, c: Contacts, h: real, since: real):
         """Add all pair forces and torques of a case; return its losses [J] and its largest overlap over R*.
+
+        The step stands for ``h`` seconds, and comes ``since`` seconds after the last one.
 
         The lever arms share the distance of the centres in the ratio of the radii, so that angular momentum is kept
         to round-off.  Non-touching pairs add nothing: sums do not depend on how long ago the list was made.
@@ -29,6 +31,8 @@ def pair_contacts(effects):
             x = p.position[i]
             v = p.velocity[i]
             spin = p.spin[i]
+            half_v = p.half_velocity[i]
+            half_spin = p.half_spin[i]
             radius = p.radius[i]
             inverse_mass = p.inverse_mass[i]
             force = vec3()
@@ -48,6 +52,10 @@ def pair_contacts(effects):
                     arm_i = radius * distance / reach
                     arm_j = distance - arm_i
                     rolling = arm_i * spin + arm_j * p.spin[j]
+                    half_rolling = arm_i * half_spin + arm_j * p.half_spin[j]
+                    passing = half_v - p.half_velocity[j]
+                    between = branch - real(0.5) * since * passing  # the branch at the half step
+                    passing -= between * (wp.dot(passing, between) / wp.dot(between, between))
                     f, history, lost = contact(
                         case.particle_law,
                         inverse_radius,
@@ -55,7 +63,8 @@ def pair_contacts(effects):
                         overlap,
                         normal,
                         v - p.velocity[j] - wp.cross(rolling, normal),
-                        real(0.5) * wp.dot(spin + p.spin[j], normal),
+                        since * (passing - wp.cross(half_rolling, normal)),
+                        real(0.5) * since * wp.dot(half_spin + p.half_spin[j], normal),
                         c.pair_history[k],
                         h,
                     )

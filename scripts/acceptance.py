@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import brentq
 
-from warpdamp import Batch, Case, Cylinder, Drive, Effects, Material, Scene, State, Surface, load, run
+from warpdamp import Batch, Case, Cylinder, Drive, Material, Scene, State, Surface, load, run
 from warpdamp.ledger import harmonic_work, maximum_energy
 from warpdamp.modal.fem import beam_modes
 from warpdamp.packing import Request, prepare, settle
@@ -94,7 +94,7 @@ def one_ball_section():
 def bed_section():
     lines = ["| Gamma | independent codes | found, three packings | mean |", "|---|---|---|---|"]
     beds = [State.at_rest(np.loadtxt(ROOT / "tests" / "data" / f"loose_bed_{s}.txt"), RADIUS) for s in (1, 2, 3)]
-    beds = [settle(damper(), bed, Effects(), time=0.2) for bed in beds]
+    beds = [settle(damper(), bed, time=0.2) for bed in beds]
     for gamma, codes in ((1.0, "under 0.01"), (3.0, "0.44 ± 0.04"), (6.0, "0.31 ± 0.05")):
         scene = damper(46.0, gamma)
         dt = 1 / (46.0 * steps_per_cycle(scene, beds[0].radius))

@@ -45,7 +45,7 @@ def test_the_papers_study_is_read_in_si(config_path):
         ("restitution: 0.52", "restitution: [0.2, -0.1]", r"contact.restitution.1: .*greater than or equal to 0"),
         ("poissons_ratio: 0.37", "poissons_ratio: 0.5", r"materials.pmma.poissons_ratio: .*less than 0.5, got 0.5"),
         ("poissons_ratio: 0.37", "poissons_ratio: -1", r"poissons_ratio: .*greater than -1"),
-        ("radius: 3.73 mm", "radius: 25 mm", r"damper.particles.radius: .*50 mm are larger than the cavity"),
+        ("radius: 3.73 mm", "radius: 25 mm", r"damper.particles.radius: .*50 mm do not fit the cavity"),
         ("count: 120", "count: 900", r"too many particles: they would fill 3.892.*take at most 171"),
         ("count: 120", "count: 12.5", r"damper.particles.count: .*integer"),
         ("material: steel", "material: steal", r"structure.beam.material: there is no material 'steal'; did you mean 'steel'\?"),
@@ -55,6 +55,13 @@ def test_the_papers_study_is_read_in_si(config_path):
         ("frequency: modes", "frequency: 46 kg", r"excitation.frequency: '46 kg' has the wrong unit"),
         ("fewest_cycles: 30", "fewest_cycles: 9000", r"steady_state.most_cycles: is below fewest_cycles"),
         ("title: Granular", "title: [Granular", r"FILE:\d+:\d+: not YAML"),
+        ("friction: 0.86", "friction: '0,86'", r"contact.friction: cannot read '0,86': write a decimal point"),
+        ("frequency: modes", "frequency: 2400 rpm", r"excitation.frequency: '2400 rpm' counts angles"),
+        ("frequency: modes", "frequency: [40 Hz, 40 Hz]", r"excitation.frequency: each value once"),
+        ("count: 120", "count: true", r"damper.particles.count: .*integer"),
+        ("position: 290 mm", "position: 580 mm", r"point_mass.position: is at a clamped end"),
+        ("gravity: 9.81 m/s^2", "gravity: 0", r"preparation: a bed cannot be compacted without gravity"),
+        ("  steel:\n", "  rubber: {density: 1, youngs_modulus: 1, poissons_ratio: 0}\n  steel:\n", r"materials.rubber: is not used"),
         ("seeds: [1, 2, 3]", "seeds: [1]\nseeds: [2]", r"not YAML: found duplicate key"),
     ],
 )  # fmt: skip
@@ -90,13 +97,13 @@ def test_a_file_that_is_not_there(tmp_path):
 @pytest.mark.parametrize(
     ("text", "unit", "value"),
     [("40 mm", "m", 0.04), ("3.3 GPa", "Pa", 3.3e9), ("2 %", "", 0.02), ("0.92 g/cm^3", "kg/m^3", 920.0),
-     (5, "m", 5.0), ("1e-3", "m", 1e-3), ("2 us", "s", 2e-6)],
+     ("920 kg/m3", "kg/m^3", 920.0), ("3.3 N/mm2", "Pa", 3.3e6), ("920 kg m-3", "kg/m^3", 920.0), (5, "m", 5.0), ("1e-3", "m", 1e-3), ("2 us", "s", 2e-6)],
 )  # fmt: skip
 def test_quantities(text, unit, value):
     assert to_si(text, unit) == pytest.approx(value, rel=1e-12)
 
 
-@pytest.mark.parametrize("value", [True, None, [1], {"a": 1}, "inf m", "import os", "2 +", ""])
+@pytest.mark.parametrize("value", [True, None, [1], {"a": 1}, "inf m", "import os", "mm", ""])
 def test_what_is_no_quantity(value):
     with pytest.raises(ValueError, match="expected a quantity in m"):
         to_si(value, "m")

@@ -141,7 +141,7 @@ def test_no_impact_gains_energy(make_scene):
         ratio, friction, restitution = (
             10 ** rng.uniform(-0.5, 0.5),
             rng.uniform(0, 1.5),
-            float(rng.choice([0.05, 0.3, 0.6, 0.9, 1.0])),
+            float(rng.choice([0.4, 0.6, 0.8, 0.9, 1.0])),
         )
         radius = np.array([RADIUS, RADIUS * ratio])
         direction = rng.normal(size=3)

@@ -79,7 +79,7 @@ def test_a_nearly_plastic_ball_has_its_fluidisation_optimum(make_scene):
 def test_a_bed_that_does_not_move_is_a_rigid_mass(damper, loose_positions):
     """Gamma 0.3: the apparent mass is the particles' mass, and hardly anything is lost."""
     scene = damper(46.0, 0.3)
-    state = settle(scene, State.at_rest(loose_positions(1), RADIUS), effects=_effects())
+    state = settle(scene, State.at_rest(loose_positions(1), RADIUS))
     ledger = shake(scene, state, 3e-6, 4).between(2, 4)
     mass = float(np.sum(scene.mass(state.radius)))
     assert mass == pytest.approx(0.0240, rel=1e-3)
@@ -109,14 +109,8 @@ def test_a_loose_bed_agrees_with_independent_codes(damper, loose_positions, gamm
     found = []
     for seed in (1, 2, 3):
         state = State.at_rest(loose_positions(seed), RADIUS)
-        state = settle(scene, state, effects=_effects(), time=0.2)
+        state = settle(scene, state, time=0.2)
         n = steps_per_cycle(scene, state.radius)
         ledger = shake(scene, state, 1 / (46.0 * n), 13)
         found.append(np.mean(effectiveness(ledger.between(4, 13), scene, state.radius)))
     assert np.mean(found) == pytest.approx(expected, abs=spread)
-
-
-def _effects():
-    from warpdamp import Effects
-
-    return Effects()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from warpdamp import Batch, Case, Cylinder, Effects, Material, Simulation, SimulationError, State, engine
+from warpdamp import Batch, Case, Cylinder, Material, Simulation, SimulationError, State, engine
 from warpdamp.kernels import data
 from warpdamp.packing import separate
 from warpdamp.timestep import steps_per_cycle
@@ -121,7 +121,7 @@ def test_float32_follows_float64_for_a_while(damper, loose_positions):
     case = bed_case(damper, loose_positions(1))
     rows = []
     for precision in ("float64", "float32"):
-        batch = Batch([case], max_rows=2, effects=Effects(precision=precision))
+        batch = Batch([case], max_rows=2, precision=precision)
         batch.advance(case.steps_per_cycle)
         rows.append(batch.cycles(0))
     assert rows[1].dissipated[-1] == pytest.approx(rows[0].dissipated[-1], rel=0.1)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from warpdamp import Drive, Material
-from warpdamp.ledger import maximum_energy, normalised_damping
-from warpdamp.modal.damping import damping_ratio
+from warpdamp.ledger import maximum_energy
+from warpdamp.modal.damping import damping_ratio, normalised_damping
 from warpdamp.modal.fem import Beam, beam_modes, graded
 
 TIMOSHENKO = {  # clamped steel beam 580 x 20 x 4 mm with a central mass: f [Hz], phi [kg^-0.5] of modes 1, 3, 5
@@ -46,6 +46,14 @@ def test_a_cantilever_agrees_with_euler_and_bernoulli():
     for k, root in enumerate((1.87510407, 4.69409113)):
         expected = root**2 * math.sqrt(210e9 / 7800) * radius / (2 * math.pi * 0.58**2)
         assert first.frequency[k] == pytest.approx(expected, rel=5e-3)
+
+
+def test_a_damper_may_sit_at_the_free_end_of_a_thin_beam():
+    """Cantilever with a tip mass M >> its own: f = sqrt(3 EI / L^3 / (M + 0.2357 m)) / (2 pi); 0.5 %."""
+    beam = paper_beam(0.0, supports=("clamped", "free"), mass_position=0.58, thickness=0.0006, mass=1.0)
+    stiffness = 3 * 210e9 * 0.02 * 0.0006**3 / 12 / 0.58**3
+    expected = math.sqrt(stiffness / (1.0 + 0.2357 * 7800 * 0.02 * 0.0006 * 0.58)) / (2 * math.pi)
+    assert beam_modes(beam, highest=1).frequency[0] == pytest.approx(expected, rel=5e-3)
 
 
 def test_modes_are_found_by_shape():
@@ -93,4 +101,4 @@ def test_normalised_damping_has_no_unit():
     """Eq. 19 with the square on the speed alone: twice eps times four times the particles' share of the mass."""
     drive = Drive(60.0, 30.0)
     energy = 0.5 * maximum_energy(drive, 0.024)
-    assert normalised_damping(energy, drive, 0.224) == pytest.approx(0.5 * 8 * 0.024 / 0.224)
+    assert normalised_damping(energy, drive.speed, 0.224) == pytest.approx(0.5 * 8 * 0.024 / 0.224)

@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.distance import pdist
 
 from warpdamp import Cylinder, PackingError, Request, State, prepare
-from warpdamp.effects import Effects
 from warpdamp.packing import cache_folder, fill, separate, settle
+from warpdamp.timestep import Numerics
 
 RADIUS = 3.73e-3
 PAPER = (RADIUS,) * 120
@@ -60,7 +60,7 @@ def test_settling_releases_no_energy(damper):
     """What the bed has at rest, and what it lost on the way, is what gravity gave."""
     scene = damper()
     state = State.at_rest(separate(PAPER, CAVITY, 4), RADIUS)
-    rest = settle(scene, state, Effects())
+    rest = settle(scene, state)
     assert np.mean(rest.position[:, 2]) < np.mean(state.position[:, 2])
     assert np.abs(rest.velocity).max() < 0.02
 
@@ -72,7 +72,7 @@ def test_every_input_changes_the_key(damper):
         Request(damper(), PAPER[:-1], 1),
         Request(damper(), PAPER, 1, "loose"),
         Request(damper(), PAPER, 1, settling_time=0.2),
-        Request(damper(), PAPER, 1, effects=Effects(precision="float32")),
+        Request(damper(), PAPER, 1, numerics=Numerics("float32")),
     ]
     assert len({request.key() for request in [base, *others]}) == 6
     assert Request(damper(46, 3), PAPER, 1).key() == base.key()  # the drive does not matter to a bed

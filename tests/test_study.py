@@ -49,12 +49,11 @@ def test_the_dataset_keeps_its_contract(small):
     assert small["preparation"].item() == "loose"
     for name in (
         "effectiveness", "energy_dissipated", "energy_dissipated_standard_error", "work_input", "ledger_residual",
-        "apparent_mass", "clearance", "normalised_damping", "cycles", "steps", "cpu_time", "status",
+        "apparent_mass", "clearance", "cycles", "steps", "cpu_time", "status",
     ):  # fmt: skip
         assert name in small
     for name, variable in small.variables.items():
-        if name != "preparation":
-            assert variable.attrs["units"], name
+        assert variable.attrs["units"], name
         assert variable.attrs["long_name"], name
     assert set(small.data_vars) <= set(VARIABLES)
     assert "count: 16" in small.attrs["configuration"]
@@ -65,7 +64,7 @@ def test_the_dataset_keeps_its_contract(small):
 def test_its_energies_belong_together(small):
     channels = sum(small[name] for name in small.data_vars if name.endswith("_loss"))
     xr.testing.assert_allclose(channels, small["energy_dissipated"], rtol=1e-9)
-    assert (small["ledger_residual"] < 5e-3).all()
+    assert (small["ledger_residual"] < 5e-3).all()  # at 24 steps a contact, second order
     shaken = small.sel(gamma=[3, 6])
     assert (shaken["effectiveness"] > 0.05).all()
     # at friction 0.86 a bed below Gamma 1 hardly moves; at 0.2 these small loose beds still compact, and say so

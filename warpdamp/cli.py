@@ -42,7 +42,7 @@ def run(
         from .results import write
 
         checked = load(config)
-        path = output / f"{config.stem}.nc"
+        path = output / f"{config.stem}{'-quick' if quick else ''}.nc"
         _writable(output)
         started = time.perf_counter()
         with _progress() as report:
@@ -73,8 +73,8 @@ def modes(config: ConfigArgument) -> None:
             raise checked.error("structure", "missing: there are no modes without a structure")
         _, single = next(points(checked))
         single._source = checked._source
-        mass = particle_mass(single)
-        tables = [(m, modes_table(study.modes(single, particles=m))) for m in (0.0, mass)]
+        masses = sorted({0.0, *(particle_mass(point) for _, point in points(checked))})
+        tables = [(m, modes_table(study.modes(single, particles=m))) for m in masses]
     console = Console()
     for particles, table in tables:
         console.print(f"with {1e3 * particles:.2f} g of particles", highlight=False)
@@ -93,8 +93,16 @@ def plot(
         from .plot import curves, save
 
         target = output or file.with_suffix(".png")
+        if target.suffix not in (".png", ".pdf", ".svg"):
+            raise OSError(f"{target}: name a file that ends in .png, .pdf or .svg")
         _writable(target.parent)
-        with xr.open_dataset(file) as dataset:
+        try:
+            dataset = xr.open_dataset(file)
+        except ValueError:
+            raise OSError(f"{file}: is no netCDF file") from None
+        with dataset:
+            if "effectiveness" not in dataset:
+                raise OSError(f"{file}: is no results file of warpdamp (it has no effectiveness)")
             save(curves(dataset), target)
     print(target)
 

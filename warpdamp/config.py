@@ -7,7 +7,16 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    StrictInt,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
 
 from .units import Acceleration, Density, Frequency, Length, Mass, Number, Pressure, Time
 
@@ -70,7 +79,7 @@ class PointMassConfig(_Model):
     """The empty damper and its fixtures."""
 
     mass: Annotated[Mass, _not_negative]
-    position: Annotated[Length, _positive]
+    position: Annotated[Length, _not_negative]
 
 
 class StructureConfig(_Model):
@@ -78,13 +87,16 @@ class StructureConfig(_Model):
 
     beam: BeamConfig
     point_mass: PointMassConfig
-    modes: Annotated[list[Annotated[int, Field(ge=1, le=20)]], Field(min_length=1)]
+    modes: Annotated[list[Annotated[StrictInt, Field(ge=1, le=20)]], Field(min_length=1)]
     inherent_damping: Annotated[Number, _not_negative] | list[Annotated[Number, _not_negative]] = 0.0
 
     @model_validator(mode="after")
     def _consistent(self):
-        if not self.point_mass.position < self.beam.length:
+        if self.point_mass.position > self.beam.length:
             raise ValueError("point_mass.position: lies beyond the end of the beam")
+        for end, support in zip((0.0, self.beam.length), self.beam.supports, strict=True):
+            if support == "clamped" and self.point_mass.position == end:
+                raise ValueError("point_mass.position: is at a clamped end, which does not move")
         if len(set(self.modes)) < len(self.modes):
             raise ValueError("modes: each mode once")
         if isinstance(self.inherent_damping, list) and len(self.inherent_damping) != len(self.modes):
@@ -111,7 +123,7 @@ class EnclosureConfig(_Model):
 class ParticlesConfig(_Model):
     """Equal spheres."""
 
-    count: Annotated[int, Field(ge=1)]
+    count: Annotated[StrictInt, Field(ge=1)]
     radius: Annotated[Length, _positive]
     material: str
 
@@ -127,7 +139,7 @@ class DamperConfig(_Model):
         room = min(self.enclosure.diameter, self.enclosure.height)
         if 2 * self.particles.radius >= room:
             raise ValueError(
-                f"particles.radius: particles of diameter {2e3 * self.particles.radius:g} mm are larger than the "
+                f"particles.radius: particles of diameter {2e3 * self.particles.radius:g} mm do not fit the "
                 f"cavity ({1e3 * self.enclosure.diameter:g} x {1e3 * self.enclosure.height:g} mm)"
             )
         volume = self.particles.count * 4 / 3 * math.pi * self.particles.radius**3
@@ -148,14 +160,23 @@ class ExcitationConfig(_Model):
     frequency: Literal["modes"] | _swept(Frequency, _positive) = "modes"
     gravity: _swept(Acceleration, _not_negative) = 9.81
 
+    @field_validator("gamma", "frequency")
+    @classmethod
+    def _rising(cls, values):
+        if isinstance(values, list):
+            if len(set(values)) < len(values):
+                raise ValueError("each value once")
+            return sorted(values)
+        return values
+
 
 class SteadyConfig(_Model):
     """When a case is done.  ``paper``: fixed times, 0.2 s of settling and 0.3 s of shaking, for comparison."""
 
     recipe: Literal["detect", "paper"] = "detect"
     standard_error: Annotated[Number, _positive] = 0.02
-    fewest_cycles: Annotated[int, Field(ge=8)] = 30
-    most_cycles: Annotated[int, Field(ge=8)] = 1500
+    fewest_cycles: Annotated[StrictInt, Field(ge=8)] = 30
+    most_cycles: Annotated[StrictInt, Field(ge=8)] = 1000
 
     @model_validator(mode="after")
     def _ordered(self):
@@ -168,7 +189,7 @@ class NumericsConfig(_Model):
     """Precision and step of the motion."""
 
     precision: Literal["float64", "float32"] = "float64"
-    steps_per_contact: Annotated[Number, Field(ge=10)] = 20.0
+    steps_per_contact: Annotated[Number, Field(ge=10)] = 24.0
     step: Literal["auto"] | Annotated[Time, _positive] = "auto"
 
 
@@ -178,13 +199,15 @@ class Config(_Model):
     title: str = "Granular damper"
     structure: StructureConfig | None = None
     damper: DamperConfig
-    materials: Annotated[dict[str, MaterialConfig], Field(min_length=1)]
+    materials: Annotated[
+        dict[Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_-]*$")], MaterialConfig], Field(min_length=1)
+    ]
     contact: ContactConfig
     excitation: ExcitationConfig
     preparation: Literal["loose", "compacted", "carried"] = "compacted"
     steady_state: SteadyConfig = SteadyConfig()
     numerics: NumericsConfig = NumericsConfig()
-    seeds: Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=1)] = [1]
+    seeds: Annotated[list[Annotated[StrictInt, Field(ge=0)]], Field(min_length=1)] = [1]
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 
@@ -204,11 +227,17 @@ class Config(_Model):
         for place, name in named.items():
             if name not in self.materials:
                 raise ValueError(f"{place}: there is no material '{name}'{_suggestion(name, self.materials)}")
+        for name in self.materials:
+            if name not in named.values():
+                raise ValueError(f"materials.{name}: is not used by anything")
         held = self.materials[self.structure.beam.material] if self.structure else None
         if held and any(isinstance(value, list) for value in vars(held).values()):
             raise ValueError("structure.beam.material: the structure's material cannot be swept")
         if self.excitation.frequency == "modes" and not self.structure:
             raise ValueError("excitation.frequency: 'modes' needs a structure; give frequencies, as [46 Hz, 100 Hz]")
+        gravities = self.excitation.gravity if isinstance(self.excitation.gravity, list) else [self.excitation.gravity]
+        if self.preparation == "compacted" and 0 in gravities:
+            raise ValueError("preparation: a bed cannot be compacted without gravity; set preparation: loose")
         if len(set(self.seeds)) < len(self.seeds):
             raise ValueError("seeds: each seed once")
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
@@ -338,6 +367,10 @@ def _explained(error) -> str:
     message = error["msg"]
     if kind == "literal_error":
         message = f"'{given}' is not one of {error['ctx']['expected']}"
+    elif kind in ("model_type", "dict_type"):
+        message = f"expected keys below it, got {given!r}"
+    elif kind in ("tuple_type", "list_type"):
+        message = f"expected a list, as [a, b], got {given!r}"
     elif kind != "value_error":
         message = f"{message[0].lower()}{message[1:]}, got {given!r}"
     return f"{key}: {message}" if key else message

@@ -18,7 +18,7 @@ from .kernels.neighbours import neighbour_search
 from .law import contact_constants
 from .ledger import Ledger
 from .scene import Scene, State
-from .timestep import check_step
+from .timestep import Precision, check_step
 
 SKIN = 0.2
 """Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results."""
@@ -34,7 +34,13 @@ class Case:
     ----------
     dt : step [s]; with a drive, period / steps_per_cycle
     steps_per_cycle : int or None
-        A ledger row is kept every so many steps (None: only the first).
+        Steps to a cycle of the drive, at the end of each of which a ledger row is kept.  None: as the drive's
+        frequency says; without a drive, no row but the first is kept.
+
+    Raises
+    ------
+    ValueError
+        If the step does not divide the drive's period.
     """
 
     scene: Scene
@@ -42,16 +48,43 @@ class Case:
     dt: float
     steps_per_cycle: int | None = None
 
+    def __post_init__(self):
+        if self.scene.drive is None:
+            return
+        period = 1 / self.scene.drive.frequency
+        steps = round(period / self.dt)
+        if steps < 1 or abs(steps * self.dt / period - 1) > 1e-9:
+            near = max(1, math.ceil(period / self.dt))
+            raise ValueError(
+                f"the step {self.dt:.6g} s does not divide the drive's period {period:.6g} s: take period / {near}, "
+                f"{period / near!r} s"
+            )
+        object.__setattr__(self, "steps_per_cycle", steps)
+
 
 _WENT_WRONG = {data.NOT_FINITE: "the state is not finite", data.ESCAPED: "a particle has left the cavity"}
 
 
 class Batch:
-    """Cases that advance together.  Each gives the same bits as alone."""
+    """Cases that advance together.  Each gives the same bits as alone.
 
-    def __init__(self, cases: list[Case], *, max_rows: int = 1, effects: Effects | None = None):
+    Parameters
+    ----------
+    cases : list of Case
+        All with an enclosure, or all without.
+    max_rows : int
+        Ledger rows to keep for each case, the one at the start included.
+    precision : "float64" or "float32"
+    guarded : bool
+        Whether the kernels check for what went wrong; see ``Effects``.
+    """
+
+    def __init__(self, cases: list[Case], *, max_rows: int = 1, precision: Precision = "float64", guarded: bool = True):
         self.cases = list(cases)
-        self.effects = effects or Effects(enclosure=cases[0].scene.enclosure is not None)
+        enclosures = {case.scene.enclosure is not None for case in cases}
+        if len(enclosures) != 1:
+            raise ValueError("the cases of a batch must all have an enclosure, or all have none")
+        self.effects = Effects(precision=precision, enclosure=enclosures.pop(), guards=guarded)
         t = data.types(self.effects.real)
         self._types = t
         self._advance, self._synchronise = stepper(self.effects)
@@ -88,7 +121,7 @@ class Batch:
         drive = scene.drive
         c = t.Case()
         c.first, c.count = int(self._first[k]), len(case.state)
-        c.first_row = k * self._max_rows
+        c.first_row, c.rows = k * self._max_rows, self._max_rows
         c.cycle = case.steps_per_cycle or _NEVER
         c.dt = case.dt
         c.skin = SKIN * float(np.min(case.state.radius))
@@ -182,6 +215,7 @@ class Batch:
         """
         self._target.assign(np.broadcast_to(np.asarray(steps, np.int64), len(self.cases)).copy())
         done, target, status = self._steps.numpy(), self._target.numpy(), self._status.numpy()
+        target[status != data.OK] = done[status != data.OK]
         while np.any(done < target):
             self._find_neighbours()
             wp.launch(
@@ -196,6 +230,8 @@ class Batch:
     def cycles(self, k: int) -> Ledger:
         """Ledger of case ``k`` at its start and at the end of each cycle so far."""
         reached = int(self._steps.numpy()[k]) // (self.cases[k].steps_per_cycle or _NEVER)
+        if reached >= self._max_rows:
+            raise ValueError(f"case {k} ran {reached} cycles, and max_rows={self._max_rows} kept fewer")
         first = k * self._max_rows
         return Ledger(self._rows.numpy()[first : first + reached + 1].copy())
 
@@ -271,11 +307,13 @@ class Simulation(Batch):
     scene : Scene
     state : State
     dt : step [s]
+    precision : "float64" or "float32"
 
     Raises
     ------
     ValueError
-        If the start is not finite or overlaps too deeply, or the step does not resolve the fastest contact expected.
+        If the start is not finite or overlaps too deeply, or the step does not resolve the fastest contact expected or
+        does not divide the drive's period.
 
     Examples
     --------
@@ -285,10 +323,10 @@ class Simulation(Batch):
     >>> state, ledger = simulation.read()
     """
 
-    def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None):
+    def __init__(self, scene: Scene, state: State, dt: float, *, precision: Precision = "float64"):
         guards.check_values(state)
         check_step(scene, state, dt)
-        super().__init__([Case(scene, state, dt)], effects=effects)
+        super().__init__([Case(scene, state, dt)], precision=precision)
         self._start = super().read()[0][1].rows
 
     def advance(self, steps: int) -> None:

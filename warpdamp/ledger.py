@@ -77,11 +77,6 @@ def maximum_energy(drive: Drive, mass: float) -> float:
     return 4 * drive.speed**2 * mass
 
 
-def normalised_damping(energy: float, drive: Drive, total_mass: float) -> float:
-    """Energy per cycle over 0.5 m_total (Gamma g / w)^2 (eq. 19 with the square on the bracket's inside only)."""
-    return energy / (0.5 * total_mass * drive.speed**2)
-
-
 def apparent_mass(reaction: complex, drive: Drive) -> float:
     """Re(F1) / (w^2 X) [kg]: what the structure feels in phase with its acceleration."""
     return reaction.real / drive.acceleration

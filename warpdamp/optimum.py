@@ -23,7 +23,8 @@ def peaks(gamma, height, standard_error) -> list[Peak]:
     """
     from scipy.signal import find_peaks
 
-    gamma, height, standard_error = (np.asarray(a, float) for a in (gamma, height, standard_error))
+    order = np.argsort(np.asarray(gamma, float))
+    gamma, height, standard_error = (np.asarray(a, float)[order] for a in (gamma, height, standard_error))
     known = np.isfinite(height)
     if not known.any():
         return []

@@ -12,13 +12,11 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_MOST_LINES = 8
-
 
 def curves(dataset: xr.Dataset) -> Figure:
     """Damping ratio against Gamma, one panel a mode, or effectiveness, one panel a frequency.
 
-    Error bars are standard errors; swept scalars become lines.
+    Error bars are standard errors, hollow points not steady (see ``status``); swept scalars become lines.
     """
     from matplotlib.figure import Figure
 
@@ -42,12 +40,15 @@ def curves(dataset: xr.Dataset) -> Figure:
             ax.set_visible(False)
             continue
         panel = {panels: k}
-        for choice in itertools.islice(_choices(value, swept), _MOST_LINES):
+        for choice in _choices(value, swept):
             at = panel | choice
             name = ", ".join(f"{dim} {value[dim].values[i]:g}" for dim, i in choice.items())
-            ax.errorbar(
-                dataset["gamma"], value.isel(at), error.isel(at), marker="o", ms=3, lw=1, capsize=2, label=name or None
+            bar = ax.errorbar(
+                dataset["gamma"], value.isel(at), error.isel(at), marker="o", ms=4, lw=1, capsize=2, label=name or None
             )
+            unsteady = dataset["status"].max("seed").isel({"frequency": k} | choice) > 0
+            line = bar.lines[0]
+            ax.plot(dataset["gamma"][unsteady], value.isel(at)[unsteady], "o", ms=3, mfc="white", mec=line.get_color())
         ax.set_title(_title(dataset, panels, k, swept), fontsize=10)
         ax.set_xlabel("Γ [-]")
         ax.set_ylim(bottom=0)
@@ -72,9 +73,9 @@ def _title(dataset, panels, k, swept) -> str:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a PNG whole or not at all."""
+    """Write a picture whole or not at all, in the format of its suffix."""
     import os
 
     part = path.with_name(f".{path.name}.part")
-    figure.savefig(part, format="png")
+    figure.savefig(part, format=path.suffix[1:])
     os.replace(part, path)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .optimum import peaks
+from .packing import MOST_BLOCKS
 from .steady import Status
 
 if TYPE_CHECKING:
@@ -40,9 +41,24 @@ def summary(dataset: xr.Dataset) -> Table:
     for k in range(stacked.sizes["line"]):
         at = {name: stacked[name].values[k] for name in (lines, *swept)}
         found = peaks(dataset["gamma"], value.sel(at), error.sel(at))
-        text = ", ".join(f"{p.height:.4g} ± {p.standard_error:.1g} at Γ {p.gamma:g}" for p in found)
+        case = dataset["status"].max("seed").sel({name: v for name, v in at.items() if name != "mode"})
+        if modal:
+            case = case.isel(frequency=int(np.flatnonzero(dataset["mode"] == at["mode"])[0]))
+        text = ", ".join(_peak(p, dataset["gamma"].values, case.sel(gamma=p.gamma)) for p in found)
         table.add_row(*_line_head(dataset, at, modal), *(f"{at[name]:g}" for name in swept), text or "-")
     return table
+
+
+def _peak(peak, gammas, status) -> str:
+    """A peak in words; what may hide a higher one is said."""
+    notes = []
+    if peak.gamma in (gammas[0], gammas[-1]):
+        notes.append("the edge of what was run")
+    if status > 0:
+        notes.append(Status(int(status)).name.lower().replace("_", " "))
+    return f"{peak.height:.4g} ± {peak.standard_error:.1g} at Γ {peak.gamma:g}" + (
+        f" ({', '.join(notes)})" if notes else ""
+    )
 
 
 def _line_head(dataset, at, modal):
@@ -59,6 +75,11 @@ def verdicts(dataset: xr.Dataset) -> list[str]:
     lines = [
         f"{np.sum(status == s)} of {status.size} cases: {s.meaning}" for s in reversed(Status) if np.any(status == s)
     ]
+    stopped = dataset["compaction_blocks"] >= MOST_BLOCKS
+    if stopped.any():
+        lines.append(
+            f"{int(stopped.any(('frequency', 'gamma')).sum())} beds were still compacting when their preparation ended"
+        )
     residual = dataset["ledger_residual"].values
     if np.isfinite(residual).any():
         lines.append(f"energy ledger: residual at most {100 * np.nanmax(residual):.2g} % of the dissipation")

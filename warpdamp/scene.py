@@ -61,6 +61,10 @@ class Drive:
     acceleration: float
     direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
+    def __post_init__(self):
+        if self.frequency <= 0 or abs(math.hypot(*self.direction) - 1) > 1e-9:
+            raise ValueError("a drive needs a positive frequency and a direction of length 1")
+
     @property
     def angular_frequency(self) -> float:
         """[rad/s]."""
@@ -136,6 +140,8 @@ class State:
     def __post_init__(self):
         if not len(self.wall_history):
             self.wall_history = np.zeros((len(self.position), 3, 4))
+        if len(self.pairs) and np.any(self.pairs[:, 0] >= self.pairs[:, 1]):
+            raise ValueError("pairs are (i, j) with i < j")
 
     @classmethod
     def at_rest(cls, position, radius) -> State:

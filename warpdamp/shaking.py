@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .effects import Effects
 from .engine import Batch, Case
 from .guards import DEEPEST, LARGEST_RESIDUAL
 from .kernels.data import ESCAPED, NOT_FINITE, OK
@@ -16,6 +15,7 @@ from .ledger import CHANNELS, Ledger, apparent_mass, harmonic_work, maximum_ener
 from .packing import Request, prepare
 from .scene import Drive, Scene, State
 from .steady import Status, Steady, steady
+from .timestep import Precision
 
 FIRST_LOOKS, LOOKS = 10, 1.25
 """A series is looked at every ten cycles at first, and later whenever it has grown by a quarter."""
@@ -45,7 +45,7 @@ class Criteria:
 
     standard_error: float = 0.02
     fewest: int = 30
-    most: int = 1500
+    most: int = 1000
     fixed: bool = False
 
 
@@ -91,13 +91,13 @@ def shake(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int,
         carried_on = stage[0] is not chains[0][-1]
         values, states = _shake_stage(stage, states, criteria, read=carried_on)
         for spec, bed, value in zip(stage, beds, values, strict=True):
-            results.append((spec.index, value | {"clearance": bed.clearance}))
+            results.append((spec.index, value | {"clearance": bed.clearance, "compaction_blocks": bed.blocks}))
     return results
 
 
 def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
     cases = [Case(spec.scene, state, spec.dt, spec.steps_per_cycle) for spec, state in zip(stage, states, strict=True)]
-    batch = Batch(cases, max_rows=criteria.most + 1, effects=stage[0].bed.effects)
+    batch = Batch(cases, max_rows=criteria.most + 1, precision=stage[0].bed.numerics.precision)
     per_cycle = np.array([spec.steps_per_cycle for spec in stage])
     cycles = np.full(len(stage), criteria.most if criteria.fixed else criteria.fewest)
     work = per_cycle * np.array([len(spec.bed.radius) for spec in stage])
@@ -119,7 +119,10 @@ def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
 
     for k, value in enumerate(averages):
         value["cpu_time"] = float(cpu[k])
-    return averages, [state for state, _ in batch.read()] if read else states
+    if read:  # a case that failed leaves the next amplitude the bed that it started from itself
+        good = batch.status == OK
+        states = [now if ok else before for (now, _), ok, before in zip(batch.read(), good, states, strict=True)]
+    return averages, states
 
 
 def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) -> dict | None:
@@ -202,15 +205,15 @@ def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
 
 
 def paper_criteria(frequency: float) -> Criteria:
-    """The paper's recipe at a frequency: whole cycles within 0.3 s."""
+    """The paper's recipe at a frequency: the whole cycles within 0.3 s, and at least six."""
     cycles = max(6, math.floor(PAPER_SHAKING * frequency))
     return Criteria(fewest=cycles, most=cycles, fixed=True)
 
 
-def warm_up(effects: Effects, scene: Scene) -> None:
-    """Compile the kernels of ``effects`` into the cache on disk, before workers start."""
+def warm_up(scene: Scene, precision: Precision) -> None:
+    """Compile the kernels that a scene takes into the cache on disk, before workers start."""
     middle = [0, 0, scene.enclosure.height / 2]
     ball = State.at_rest(middle, scene.enclosure.height / 100)
-    batch = Batch([Case(scene, ball, 1e-6, 1)], max_rows=2, effects=effects)
+    batch = Batch([Case(scene.driven(None), ball, 1e-6)], precision=precision)
     batch.advance(1)
     batch.read()

@@ -19,8 +19,8 @@ class Status(IntEnum):
     """How a case ended; the value is what the Dataset's ``status`` holds."""
 
     STEADY = 0
-    DRIFTING = 1
-    IMPRECISE = 2
+    IMPRECISE = 1
+    DRIFTING = 2
     UNBALANCED = 3
     TOO_DEEP = 4
     NOT_FINITE = 5

@@ -53,6 +53,7 @@ def shortened(config: Config) -> Config:
     gammas = as_list(config.excitation.gamma)
     few = sorted({round(k) for k in np.linspace(0, len(gammas) - 1, QUICK["amplitudes"])})
     change = {
+        "title": f"{config.title} (quick look)",
         "excitation": config.excitation.model_copy(update={"gamma": [gammas[k] for k in few]}),
         "seeds": config.seeds[:1],
         "preparation": "loose",
@@ -112,7 +113,7 @@ def run(
     ----------
     config : Config or path of a YAML file
     quick : run ``shortened(config)``
-    workers : number of processes (default: the cores of this machine); 1 runs in this one
+    workers : number of worker processes (default: the cores of this machine)
     report : called as ``report(stage, part_done)``
 
     Returns
@@ -129,6 +130,8 @@ def run(
 
     if not isinstance(config, Config):
         config = load(config)
+    if workers is not None and workers < 1:
+        raise ValueError(f"workers must be at least 1, got {workers}")
     if quick:
         config = shortened(config)
 
@@ -143,7 +146,7 @@ def run(
         _placed(config, partial(separate, first.bed.radius, first.scene.enclosure, seed))
 
     report("kernels", 0.0)
-    warm_up(first.bed.effects, first.scene)
+    warm_up(first.scene, config.numerics.precision)
     report("kernels", 1.0)
     with _processes(workers) as executor:
         values = _run_cases(config, specs, executor, report)
@@ -157,7 +160,7 @@ def study_points(config: Config) -> list[Point]:
     for index, single in points(config):
         single._source = config._source
         particles = particle_mass(single)
-        if config.structure and particles not in found:
+        if config.excitation.frequency == "modes" and particles not in found:
             found[particles] = modes(single, particles=particles)
         own = found.get(particles)
         if config.excitation.frequency == "modes":
@@ -171,12 +174,12 @@ def study_points(config: Config) -> list[Point]:
 
 def _specs(config: Config, point: Point) -> dict[tuple[int, ...], Spec]:
     """All cases of a point, by their index in (frequency, gamma, swept scalars, seed)."""
-    from .effects import Effects
     from .packing import Request
     from .shaking import PAPER_SETTLING, Spec
+    from .timestep import Numerics
 
     still, radius = scene(point.config), radii(point.config)
-    effects = Effects(precision=config.numerics.precision)
+    numerics = Numerics(config.numerics.precision, config.numerics.steps_per_contact)
     paper = config.steady_state.recipe == "paper"
     specs = {}
     for i, frequency in enumerate(point.frequencies):
@@ -190,7 +193,7 @@ def _specs(config: Config, point: Point) -> dict[tuple[int, ...], Spec]:
                     seed=seed,
                     preparation="loose" if config.preparation == "carried" else config.preparation,
                     settling_time=PAPER_SETTLING if paper else None,
-                    effects=effects,
+                    numerics=numerics,
                 )
                 index = (i, j, *point.index, k)
                 specs[index] = Spec(index, driven, steps, bed)
@@ -205,20 +208,28 @@ def _steps(config: Config, driven, radius) -> int:
     ConfigError
         If a forced step does not resolve the shortest contact expected.
     """
-    from .timestep import FEWEST_STEPS_PER_CONTACT, contact_step, steps_per_cycle
+    from .timestep import (
+        FEWEST_STEPS_PER_CONTACT,
+        FEWEST_STEPS_PER_CYCLE,
+        contact_step,
+        expected_speed,
+        shortest_contact,
+        steps_per_cycle,
+    )
 
     numerics = config.numerics
     if numerics.step == "auto":
         return steps_per_cycle(driven, radius, steps_per_contact=numerics.steps_per_contact)
     longest = contact_step(driven, radius, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
     if numerics.step > longest:
+        shortest = shortest_contact(driven, radius, expected_speed(driven, radius))
         raise config.error(
             "numerics.step",
-            f"{numerics.step:.3g} s is too large for the shortest contact expected, "
-            f"{longest * FEWEST_STEPS_PER_CONTACT:.3g} s at {driven.drive.frequency:.1f} Hz and Gamma "
-            f"{driven.drive.acceleration / STANDARD_GRAVITY:g}: take at most {longest:.2g} s, or 'auto'",
+            f"{numerics.step:.3g} s is too large for the shortest contact expected, {shortest:.3g} s at "
+            f"{driven.drive.frequency:.1f} Hz and Gamma {driven.drive.acceleration / STANDARD_GRAVITY:g}: "
+            f"take at most {longest:.2g} s, or 'auto'",
         )
-    return math.ceil(1 / (driven.drive.frequency * numerics.step))
+    return max(FEWEST_STEPS_PER_CYCLE, math.ceil(1 / (driven.drive.frequency * numerics.step)))
 
 
 @contextmanager
@@ -246,7 +257,7 @@ def _placed(config: Config, call: Callable):
     try:
         return call()
     except PackingError as error:
-        raise config.error("damper.particles.count", str(error)) from None
+        raise config.error(error.key, str(error)) from None
 
 
 def _run_cases(config: Config, specs: dict, executor: Executor, report: Report) -> dict:
@@ -313,6 +324,7 @@ def _dataset(config: Config, every: list[Point], values: dict) -> xr.Dataset:
     """Assemble the cases, in whatever order they came, on (frequency, gamma, swept scalars, seed)."""
     import xarray as xr
 
+    from .modal.damping import normalised_damping
     from .results import INTEGERS, describe, provenance
 
     swept = axes(config)
@@ -332,7 +344,7 @@ def _dataset(config: Config, every: list[Point], values: dict) -> xr.Dataset:
         "gamma": ("gamma", gammas, {"units": "1", "long_name": "acceleration amplitude over g"}),
         **{axis.name: (axis.name, np.array(axis.values), axis.attributes) for axis in swept},
         "seed": ("seed", np.array(config.seeds), {"units": "1", "long_name": "seed of the packing"}),
-        "preparation": ((), config.preparation, {"long_name": "how the bed was prepared"}),
+        "preparation": ((), config.preparation, {"units": "1", "long_name": "how the bed was prepared"}),
     }
     if swept and len({tuple(p.frequencies) for p in every}) > 1:
         coords["frequency"][2]["comment"] = "of the first combination; see excitation_frequency for each"
@@ -340,18 +352,18 @@ def _dataset(config: Config, every: list[Point], values: dict) -> xr.Dataset:
 
     point_dims = ("frequency", *(axis.name for axis in swept))
     own = np.empty(tuple(len(dataset[d]) for d in point_dims))
-    total_mass = np.empty(own.shape[1:])
+    particles = np.empty(own.shape[1:])
     for point in every:
         own[(slice(None), *point.index)] = point.frequencies
-        enclosure = config.structure.point_mass.mass if config.structure else 0.0
-        total_mass[point.index] = enclosure + particle_mass(point.config)
+        particles[point.index] = particle_mass(point.config)
     dataset["excitation_frequency"] = (point_dims, own)
     speed = dataset["gamma"] * STANDARD_GRAVITY / (2 * np.pi * dataset["excitation_frequency"])
     dataset["displacement"] = speed / (2 * np.pi * dataset["excitation_frequency"])
     dataset["effectiveness"] = dataset["energy_dissipated"] / dataset["maximum_energy"]
     dataset["effectiveness_standard_error"] = dataset["energy_dissipated_standard_error"] / dataset["maximum_energy"]
-    total = xr.DataArray(total_mass, dims=point_dims[1:])
-    dataset["normalised_damping"] = dataset["energy_dissipated"] / (0.5 * total * speed**2)
+    if config.structure:
+        total = config.structure.point_mass.mass + xr.DataArray(particles, dims=point_dims[1:])
+        dataset["normalised_damping"] = normalised_damping(dataset["energy_dissipated"], speed, total)
     dataset = dataset.drop_vars("maximum_energy")
     if config.excitation.frequency == "modes":
         dataset = dataset.merge(_modal(config, every, dataset, swept))

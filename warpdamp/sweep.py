@@ -41,7 +41,7 @@ def as_list(value) -> list:
 
 
 def axes(config: Config) -> list[Axis]:
-    """The swept scalars of materials, contact and gravity, in the order of the configuration.
+    """The swept scalars of materials, contact and gravity.
 
     An axis is called by its key; where two keys are the same, by its path.
 

@@ -9,7 +9,9 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, WithJsonSchema
 
-_BARE = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+_QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+_POWER = re.compile(r"(?<=[A-Za-z])(-?\d)")  # m3, m-3
+_TURNS = ("rad", "turn", "rev", "rpm", "deg", "cycle")
 
 
 @functools.cache
@@ -32,10 +34,7 @@ def to_si(value: Any, unit: str) -> float:
     wanted = f"a quantity in {unit}" if unit else "a plain number or a percentage"
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError(f"expected {wanted}, got {value!r}")
-    if isinstance(value, str) and not _BARE.match(value.strip()):
-        number = _parsed(value.strip(), unit, wanted)
-    else:
-        number = float(value)
+    number = _parsed(value, unit, wanted) if isinstance(value, str) else float(value)
     if not math.isfinite(number):
         raise ValueError(f"expected {wanted}, got {value!r}, which is not finite")
     return number
@@ -44,14 +43,21 @@ def to_si(value: Any, unit: str) -> float:
 def _parsed(text: str, unit: str, wanted: str) -> float:
     import pint
 
+    if "," in text:
+        raise ValueError(f"cannot read '{text}': write a decimal point, not a comma")
+    parts = _QUANTITY.match(text)
+    if parts is None:
+        raise ValueError(f"cannot read '{text}': expected {wanted}, such as '{_example(unit)}'")
+    number, given = float(parts[1]), _POWER.sub(r"**\1", parts[2])
+    if not given:
+        return number
+    if any(turn in given.lower() for turn in _TURNS):
+        raise ValueError(f"'{text}' counts angles: expected {wanted}, such as '{_example(unit)}'")
     registry = _registry()
     try:
-        quantity = registry.Quantity(text)
-        return float(quantity.to(registry.Unit(unit or "dimensionless")).magnitude)
+        return float(registry.Quantity(f"{number!r} {given}").to(registry.Unit(unit or "dimensionless")).magnitude)
     except pint.DimensionalityError as error:
         raise ValueError(f"'{text}' has the wrong unit: expected {wanted}") from error
-    except (pint.UndefinedUnitError, pint.errors.DefinitionSyntaxError, AssertionError, TypeError, ValueError) as error:
-        raise ValueError(f"cannot read '{text}': expected {wanted}, such as '{_example(unit)}'") from error
     except Exception as error:  # pint lets its tokenizer's errors through under many names
         raise ValueError(f"cannot read '{text}': expected {wanted}, such as '{_example(unit)}'") from error
 

@@ -33,8 +33,9 @@ def along_path(
     history = wp.vec4d()
     for n in range(overlap.shape[0]):
         velocity = wp.vec3d(sliding[n], wp.float64(0.0), -approach[n])
+        slid = wp.vec3d(sliding[n] * h, wp.float64(0.0), wp.float64(0.0))
         f, history, lost = contact(
-            law, inverse_radius, inverse_mass, overlap[n], normal, velocity, wp.float64(0.0), history, h
+            law, inverse_radius, inverse_mass, overlap[n], normal, velocity, slid, wp.float64(0.0), history, h
         )
         force[n] = wp.vec2d(f[2], f[0])
         losses[n] = lost
@@ -65,7 +66,8 @@ def probe(constants, places, *, h, inverse_radius, inverse_mass) -> Path:
     given = [wp.array(np.ascontiguousarray(a), dtype=wp.float64, device="cpu") for a in (middle[:, 0], *rate.T)]
     wp.launch(along_path, 1, [law, inverse_radius, inverse_mass, h, *given, force, losses, stored], device="cpu")
     f, lost, kept = force.numpy(), losses.numpy(), stored.numpy()
-    tangential = -f[:, 1] * rate[:, 1] * h
+    before = np.concatenate([[0.0], f[:-1, 1]])
+    tangential = -(before + f[:, 1]) / 2 * rate[:, 1] * h
     normal = f[:, 0] * rate[:, 0] * h
     balance = np.cumsum(tangential) - kept - np.cumsum(lost[:, 1:].sum(axis=1))
     return Path(

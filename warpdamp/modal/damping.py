@@ -24,3 +24,8 @@ def strain_energy(displacement, amplitude, frequency):
 def damping_ratio(energy, displacement, amplitude, frequency):
     """zeta = E / (4 pi E_strain) (eq. 6) [-], from the energy dissipated per cycle [J]."""
     return energy / (4 * math.pi * strain_energy(displacement, amplitude, frequency))
+
+
+def normalised_damping(energy, speed, total_mass):
+    """Energy per cycle over 0.5 m_total v^2 [-], v = Gamma g / w (eq. 19 with the square on the speed alone)."""
+    return energy / (0.5 * total_mass * speed**2)

@@ -119,11 +119,11 @@ def _assemble(beam: Beam):
     Returns ``stiffness``, ``mass``, ``tie`` (3 rows: mean displacement of the section at the mass), ``line`` (centre
     line's z displacement at ``station``), ``station``.
     """
-    from skfem import Basis, BilinearForm, ElementHex2, FacetBasis, LinearForm, MeshHex
+    from skfem import Basis, BilinearForm, ElementHex2, MeshHex
     from skfem.models.elasticity import lame_parameters
 
     stations = graded(
-        [0.0, beam.mass_position, beam.length], beam.finest * beam.thickness, beam.coarsest * beam.thickness
+        sorted({0.0, beam.mass_position, beam.length}), beam.finest * beam.thickness, beam.coarsest * beam.thickness
     )
     across, through = np.linspace(-0.5, 0.5, 5) * beam.width, np.linspace(-0.5, 0.5, 3) * beam.thickness
     mesh = MeshHex.init_tensor(stations, across, through)
@@ -150,15 +150,33 @@ def _assemble(beam: Beam):
     one = np.setdiff1d(np.arange(basis.N), np.concatenate(held))
     free = np.concatenate([axis * basis.N + one for axis in axes])
 
-    at_mass = mesh.facets_satisfying(lambda p: np.isclose(p[0], beam.mass_position, atol=near))
-    section = FacetBasis(mesh, ElementHex2(), facets=at_mass, intorder=4)
-    mean = LinearForm(lambda v, w: v / beam.section).assemble(section)
+    x, y, z = basis.doflocs
+    weights = _section_weights(across, through)
+    at_mass = np.flatnonzero(np.isclose(x, beam.mass_position, atol=near))
+    mean = np.zeros(basis.N)
+    mean[at_mass] = [weights[_place(y[k], across), _place(z[k], through)] for k in at_mass]
     tie = block_diag([csr_matrix(mean)] * 3).tocsr()
 
-    x, y, z = basis.doflocs
     centre = np.flatnonzero(np.isclose(y, 0, atol=near) & np.isclose(z, 0, atol=near))
     centre = centre[np.argsort(x[centre])]
     line = csr_matrix(
         (np.ones(len(centre)), (np.arange(len(centre)), 2 * basis.N + centre)), shape=(len(centre), 3 * basis.N)
     )
     return stiffness[free][:, free], mass[free][:, free], tie[:, free], line[:, free], x[centre]
+
+
+def _section_weights(across, through) -> np.ndarray:
+    """Weights of the nodes of a section in the mean over it: Simpson's rule, exact for quadratic elements."""
+    lines = []
+    for stations in (across, through):
+        n = len(stations) - 1
+        line = np.zeros(2 * n + 1)
+        for k in range(n):
+            line[2 * k : 2 * k + 3] += np.array([1, 4, 1]) / (6 * n)
+        lines.append(line)
+    return np.outer(*lines)
+
+
+def _place(coordinate, stations) -> int:
+    """Number of a node along evenly spaced stations with one node between each two."""
+    return round((coordinate - stations[0]) / (stations[1] - stations[0]) * 2)
