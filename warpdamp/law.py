@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from .scene import Material, Surface
 
-LEAST_RESTITUTION = 2e-3
+LEAST_RESTITUTION = 1e-3
 """A dashpot that lets nothing rebound would be infinitely strong: restitutions below are taken as this."""
 
 

@@ -50,8 +50,8 @@ FEWEST_BLOCKS, MOST_BLOCKS = 10, 24
 _USUAL = Numerics()
 
 RESTING_ENERGY = 1e-5
-"""A bed is at rest when the kinetic energy of its motion along gravity is below this part of m g R in the mean (a sphere
-may go on rolling: nothing stops it)."""
+"""A bed is at rest when the kinetic energy of its motion along gravity is below this part of m g R in the mean (a
+sphere may go on rolling: nothing stops it)."""
 LONGEST_REST = 45.0
 """A bed that is not at rest after this many times sqrt(H / g), H the cavity's height, does not come to rest (2.9 s for
 40 mm under standard gravity)."""
@@ -305,11 +305,15 @@ def compact(scene: Scene, state: State, numerics: Numerics) -> tuple[State, int]
         _run(batch, BLOCK * steps)
         state = settle(scene, batch.read()[0][0], numerics)
         heights.append(_height(scene, state))
-        fallen = np.mean(heights[-2 * WINDOW : -WINDOW]) - np.mean(heights[-WINDOW:])
-        if block >= FEWEST_BLOCKS and fallen < STILL * diameter:
+        if block >= FEWEST_BLOCKS and _fallen(heights) < STILL * diameter:
             return state, block
     _log.warning("bed still compacting after %d blocks of %d cycles of shaking", MOST_BLOCKS, BLOCK)
     return state, MOST_BLOCKS
+
+
+def _fallen(heights) -> float:
+    """By how much the mean over the last blocks lies below that over as many before [m]."""
+    return float(np.mean(heights[-2 * WINDOW : -WINDOW]) - np.mean(heights[-WINDOW:]))
 
 
 def _run(batch: Batch, steps: int) -> None:
