@@ -166,6 +166,15 @@ def test_failed_cases_are_values(small_config, monkeypatch):
     assert good["energy_dissipated"] > 0
 
 
+def test_a_study_of_which_nothing_is_left_is_an_error():
+    from warpdamp import SimulationError
+    from warpdamp.study import _raise_if_all_failed
+
+    _raise_if_all_failed({(0,): {"status": 5}, (1,): {"status": 0, "energy_dissipated": 1.0}})
+    with pytest.raises(SimulationError, match="all 2 cases failed: a particle left the cavity"):
+        _raise_if_all_failed({(0,): {"status": 5}, (1,): {"status": 6}})
+
+
 def test_peaks_stand_out_of_the_noise():
     gamma = np.array([1, 2, 3, 4, 5, 6, 7.0])
     two = peaks(gamma, [0, 0.5, 0.56, 0.5, 0.6, 0.67, 0.5], np.full(7, 0.01))

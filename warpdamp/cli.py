@@ -119,12 +119,12 @@ def schema() -> None:
 def _one_line_errors():
     """What a user can mend comes as one line and exit status 2; anything else is a bug and keeps its traceback."""
     from .config import ConfigError
-    from .packing import PackingError
+    from .guards import SimulationError
 
     try:
         yield
-    except (ConfigError, PackingError, OSError) as error:
-        print(f"warpdamp: {error}" if isinstance(error, OSError) else error, file=sys.stderr)
+    except (ConfigError, SimulationError, OSError) as error:
+        print(error if isinstance(error, ConfigError) else f"warpdamp: {error}", file=sys.stderr)
         raise typer.Exit(2) from None
 
 

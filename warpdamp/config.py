@@ -259,9 +259,14 @@ def load(path) -> Config:
         config = Config.model_validate(_plain(data))
     except ValidationError as error:
         lines = [f"{path}:{_place(data, e['loc'])}: {_explained(e)}" for e in _telling(error.errors(), data)]
-        raise ConfigError("\n".join(lines)) from None
+        raise ConfigError("\n".join(map(_printable, lines))) from None
     config._source = (path, data)
     return config
+
+
+def _printable(line: str) -> str:
+    """The line with whatever would break it, or not show, spelt out."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)
 
 
 def _read(path: Path):
@@ -278,9 +283,9 @@ def _read(path: Path):
         data = YAML(typ="rt").load(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        raise ConfigError(f"{path}:{mark.line + 1}:{mark.column + 1}: not YAML: {error.problem}") from None
+        raise ConfigError(_printable(f"{path}:{mark.line + 1}:{mark.column + 1}: not YAML: {error.problem}")) from None
     except (YAMLError, ValueError) as error:
-        raise ConfigError(f"{path}: not YAML: {error}") from None
+        raise ConfigError(_printable(f"{path}: not YAML: {' '.join(str(error).split())}")) from None
     if not isinstance(data, dict):
         raise ConfigError(f"{path}:1:1: not a warpdamp configuration: expected keys such as 'damper:' at the top level")
     return data

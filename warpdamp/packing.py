@@ -4,9 +4,9 @@
     Made inside the closed cavity without overlap, then settled under gravity with the friction of the scene.
 ``compacted``
     The loose bed shaken along the cavity's axis at six times the scene's gravity with an amplitude of a tenth of a
-    particle's diameter, in blocks of 20 cycles, each followed by rest; done, after 10 blocks at the least and 24 at
-    most, when the mean height at rest over the last four blocks is no more than a quarter of a percent of a diameter
-    below that over the four blocks before.  A bed that has been shaken for some time, as any damper in service has.
+    particle's diameter, in blocks of 20 cycles, each followed by rest; done, after 16 blocks at the least and 36 at
+    most, when the mean height at rest over the last six blocks is no more than a quarter of a percent of a diameter
+    below that over the six blocks before.  A bed that has been shaken for some time, as any damper in service has.
 
 Every bed is reproducible from its inputs, and is kept on disk under their hash.
 """
@@ -43,9 +43,9 @@ GROWN = 1.003
 SHAKING_GAMMA = 6.0
 SHAKING_AMPLITUDE = 0.1  # of a diameter
 BLOCK = 20  # cycles
-WINDOW = 4  # blocks
+WINDOW = 6  # blocks
 STILL = 0.0025  # of a diameter
-FEWEST_BLOCKS, MOST_BLOCKS = 10, 24
+FEWEST_BLOCKS, MOST_BLOCKS = 16, 36
 
 _USUAL = Numerics()
 

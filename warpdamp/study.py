@@ -123,7 +123,10 @@ def run(
 
     Raises
     ------
-    ConfigError, PackingError
+    ConfigError
+        If the configuration cannot be run, or its beds cannot be made.
+    SimulationError
+        If every case failed.
     """
     from .packing import separate
     from .shaking import warm_up
@@ -150,7 +153,23 @@ def run(
     report("kernels", 1.0)
     with _processes(workers) as executor:
         values = _run_cases(config, specs, executor, report)
+    _raise_if_all_failed(values)
     return _dataset(config, every, values)
+
+
+def _raise_if_all_failed(values: dict) -> None:
+    """One bad case of a sweep is a value; a study of which nothing is left is an error.
+
+    Raises
+    ------
+    SimulationError
+    """
+    from .guards import SimulationError
+    from .steady import Status
+
+    if not any("energy_dissipated" in value for value in values.values()):
+        worst = Status(max(value["status"] for value in values.values()))
+        raise SimulationError(f"all {len(values)} cases failed: {worst.meaning}")
 
 
 def study_points(config: Config) -> list[Point]:

@@ -154,7 +154,7 @@ def filled(count):
 
 
 hard("fill just below jamming (122 spheres, 0.528)")(lambda fine: filled(122))
-hard("fill at jamming (125 spheres, 0.541)")(lambda fine: filled(125))
+hard("fill at jamming (124 spheres, 0.536)")(lambda fine: filled(124))
 hard("fill above jamming (132 spheres, 0.571)", "refused")(lambda fine: filled(132))
 
 
@@ -167,7 +167,7 @@ def pressed(fine):
 
 
 hard("Gamma 0.01")(lambda fine: attempt(shaken(gamma=0.01), settle(scene(), bed(120)), cycles=4))
-hard("Gamma 1500", "flagged")(lambda fine: attempt(shaken(gamma=1500.0), bed(120), cycles=1))
+hard("Gamma 1500")(lambda fine: attempt(shaken(gamma=1500.0), bed(120), cycles=1))
 hard("1 Hz")(lambda fine: attempt(shaken(1.0, 2.0), bed(40 if fine else 10), steps=None if fine else 40_000, cycles=1))
 hard("5 kHz")(lambda fine: attempt(shaken(5000.0, 6.0), bed(120), cycles=100))
 hard("no gravity")(lambda fine: attempt(shaken(gravity=(0, 0, 0)), bed(120), cycles=4 if fine else 2))
