@@ -207,4 +207,6 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    with tempfile.TemporaryDirectory() as cache:  # every bed is made anew
+        os.environ["WARPDAMP_CACHE"] = cache
+        main()

@@ -46,6 +46,8 @@ BLOCK = 20  # cycles
 WINDOW = 6  # blocks
 STILL = 0.0025  # of a diameter
 FEWEST_BLOCKS, MOST_BLOCKS = 16, 36
+RECIPE = (GROWN, SHAKING_GAMMA, SHAKING_AMPLITUDE, BLOCK, WINDOW, STILL, FEWEST_BLOCKS, MOST_BLOCKS)
+"""A part of every bed's key, so that beds made by another recipe are not taken for these."""
 
 _USUAL = Numerics()
 
@@ -94,8 +96,8 @@ class Request:
     numerics: Numerics = Numerics()  # noqa: RUF009 - frozen
 
     def key(self) -> str:
-        """Hash of the inputs and of the version of the physics."""
-        values = asdict(self) | {"scene": asdict(self.scene.driven(None)), "physics": PHYSICS_VERSION}
+        """Hash of the inputs, the recipe, and the version of the physics."""
+        values = asdict(self) | {"scene": asdict(self.scene.driven(None)), "physics": PHYSICS_VERSION, "recipe": RECIPE}
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:24]
 
 

@@ -48,7 +48,15 @@ def curves(dataset: xr.Dataset) -> Figure:
             )
             unsteady = dataset["status"].max("seed").isel({"frequency": k} | choice) > 0
             line = bar.lines[0]
-            ax.plot(dataset["gamma"][unsteady], value.isel(at)[unsteady], "o", ms=3, mfc="white", mec=line.get_color())
+            ax.plot(
+                dataset["gamma"][unsteady],
+                value.isel(at)[unsteady],
+                "o",
+                ms=3,
+                mfc="white",
+                mec=line.get_color(),
+                zorder=3,
+            )
         ax.set_title(_title(dataset, panels, k, swept), fontsize=10)
         ax.set_xlabel("Γ [-]")
         ax.set_ylim(bottom=0)
