@@ -29,7 +29,7 @@ VARIABLES = {
     "apparent_mass": ("kg", "mass that the structure feels, Re(F1) / (w^2 X)"),
     "normalised_damping": ("1", "energy per cycle over 0.5 m_total (Gamma g / w)^2 (eq. 19, square on the speed only)"),
     "clearance": ("m", "travel of the bed's centre of mass between rest on the floor and rest against the lid"),
-    "compaction_blocks": ("1", "blocks of shaking that compacted the bed (36: stopped there, still compacting)"),
+    "compaction_blocks": ("1", "blocks of shaking that compacted the bed (60: stopped there, still compacting)"),
     "largest_overlap": ("1", "largest overlap over the reduced radius since the start"),
     "excitation_frequency": ("Hz", "frequency of the excitation"),
     "displacement": ("m", "displacement amplitude X of the enclosure"),
