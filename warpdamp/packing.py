@@ -6,7 +6,8 @@
     The loose bed shaken along the cavity's axis at six times the scene's gravity with an amplitude of a tenth of a
     particle's diameter, in blocks of 20 cycles, each followed by rest; done, after 30 blocks at the least and 60 at
     most, when the mean height at rest over the last ten blocks is no more than a quarter of a percent of a diameter
-    below that over the ten blocks before.  Half the steps a contact of the study are enough for that.  A bed that has been shaken for some time, as any damper in service has.
+    below that over the ten blocks before.  Half the steps a contact of the study are enough for that.  A bed that has
+    been shaken for some time, as any damper in service has.
 
 Every bed is reproducible from its inputs, and is kept on disk under their hash.
 """

@@ -8,7 +8,6 @@ import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -17,8 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .config import Config, load
+from .dataset import assemble
 from .scene import STANDARD_GRAVITY
-from .sweep import Axis, as_list, axes, drive, material, particle_mass, points, radii, scene
+from .sweep import Point, as_list, drive, material, particle_mass, points, radii, scene
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,16 +33,6 @@ BATCH = 4
 """Cases to a batch: enough to hide what a launch costs, few enough to share out evenly."""
 
 QUICK = {"amplitudes": 5, "fewest_cycles": 12, "most_cycles": 12}
-
-
-@dataclass(frozen=True)
-class Point:
-    """One combination of the swept scalars: its configuration, its modes, and its excitation frequencies [Hz]."""
-
-    index: tuple[int, ...]
-    config: Config
-    modes: Modes | None
-    frequencies: list[float]
 
 
 def shortened(config: Config) -> Config:
@@ -154,7 +144,7 @@ def run(
     with _processes(workers) as executor:
         values = _run_cases(config, specs, executor, report)
     _raise_if_all_failed(values)
-    return _dataset(config, every, values)
+    return assemble(config, every, values)
 
 
 def _raise_if_all_failed(values: dict) -> None:
@@ -337,109 +327,3 @@ def _criteria(config: Config, spec: Spec) -> Criteria:
     if wanted.recipe == "paper":
         return paper_criteria(spec.scene.drive.frequency)
     return Criteria(wanted.standard_error, wanted.fewest_cycles, wanted.most_cycles)
-
-
-def _dataset(config: Config, every: list[Point], values: dict) -> xr.Dataset:
-    """Assemble the cases, in whatever order they came, on (frequency, gamma, swept scalars, seed)."""
-    import xarray as xr
-
-    from .modal.damping import normalised_damping
-    from .results import INTEGERS, describe, provenance
-
-    swept = axes(config)
-    gammas = np.array(as_list(config.excitation.gamma))
-    frequencies = np.array(every[0].frequencies)
-    dims = ("frequency", "gamma", *(axis.name for axis in swept), "seed")
-    shape = (len(frequencies), len(gammas), *(len(axis.values) for axis in swept), len(config.seeds))
-
-    names = {name: None for value in values.values() for name in value}
-    arrays = {name: np.full(shape, -1 if name in INTEGERS else np.nan) for name in names}
-    for index, value in values.items():
-        for name, number in value.items():
-            arrays[name][index] = number
-    data = {name: (dims, a.astype(np.int64) if name in INTEGERS else a) for name, a in arrays.items()}
-    coords = {
-        "frequency": ("frequency", frequencies, {"units": "Hz", "long_name": "excitation frequency"}),
-        "gamma": ("gamma", gammas, {"units": "1", "long_name": "acceleration amplitude over g"}),
-        **{axis.name: (axis.name, np.array(axis.values), axis.attributes) for axis in swept},
-        "seed": ("seed", np.array(config.seeds), {"units": "1", "long_name": "seed of the packing"}),
-        "preparation": ((), config.preparation, {"units": "1", "long_name": "how the bed was prepared"}),
-    }
-    if swept and len({tuple(p.frequencies) for p in every}) > 1:
-        coords["frequency"][2]["comment"] = "of the first combination; see excitation_frequency for each"
-    dataset = xr.Dataset(data, coords)
-
-    point_dims = ("frequency", *(axis.name for axis in swept))
-    own = np.empty(tuple(len(dataset[d]) for d in point_dims))
-    particles = np.empty(own.shape[1:])
-    for point in every:
-        own[(slice(None), *point.index)] = point.frequencies
-        particles[point.index] = particle_mass(point.config)
-    dataset["excitation_frequency"] = (point_dims, own)
-    speed = dataset["gamma"] * STANDARD_GRAVITY / (2 * np.pi * dataset["excitation_frequency"])
-    dataset["displacement"] = speed / (2 * np.pi * dataset["excitation_frequency"])
-    dataset["effectiveness"] = dataset["energy_dissipated"] / dataset["maximum_energy"]
-    dataset["effectiveness_standard_error"] = dataset["energy_dissipated_standard_error"] / dataset["maximum_energy"]
-    if config.structure:
-        total = config.structure.point_mass.mass + xr.DataArray(particles, dims=point_dims[1:])
-        dataset["normalised_damping"] = normalised_damping(dataset["energy_dissipated"], speed, total)
-    dataset = dataset.drop_vars("maximum_energy")
-    if config.excitation.frequency == "modes":
-        dataset = dataset.merge(_modal(config, every, dataset, swept))
-    dataset = describe(dataset.transpose("mode", *dims, missing_dims="ignore"))
-    dataset.attrs = {"title": config.title, **provenance(), "configuration": resolved_yaml(config)}
-    dataset.attrs["seeds"] = np.array(config.seeds)
-    return dataset
-
-
-def _modal(config: Config, every: list[Point], dataset: xr.Dataset, swept: list[Axis]) -> xr.Dataset:
-    """Modal damping of every mode: mean over seeds, plus what the bare structure has."""
-    import xarray as xr
-
-    from .modal.damping import damping_ratio
-
-    dims = ("mode", *(axis.name for axis in swept))
-    shape = (len(config.structure.modes), *(len(axis.values) for axis in swept))
-    table = {name: np.empty(shape) for name in ("natural_frequency", "mode_amplitude", "modal_mass")}
-    for point in every:
-        at = (slice(None), *point.index)
-        table["natural_frequency"][at] = point.modes.frequency
-        table["mode_amplitude"][at] = point.modes.amplitude
-        table["modal_mass"][at] = point.modes.modal_mass
-    coords = {"mode": ("mode", config.structure.modes, {"units": "1", "long_name": "bending mode"})}
-    modal = xr.Dataset({name: (dims, values) for name, values in table.items()}, coords)
-
-    def to_mode(array):
-        return array.rename(frequency="mode").assign_coords(mode=modal["mode"])
-
-    per_joule = damping_ratio(
-        1.0, to_mode(dataset["displacement"]), modal["mode_amplitude"], modal["natural_frequency"]
-    )
-    inherent = xr.DataArray(config.structure.inherent(), dims="mode", coords={"mode": modal["mode"]})
-    energy = to_mode(dataset["energy_dissipated"])
-    modal["damping_ratio"] = per_joule * energy.mean("seed", skipna=False) + inherent
-    modal["damping_ratio_standard_error"] = per_joule * _combined_error(
-        energy, to_mode(dataset["energy_dissipated_standard_error"])
-    )
-    return modal.drop_vars("frequency", errors="ignore")
-
-
-def _combined_error(mean: xr.DataArray, error: xr.DataArray) -> xr.DataArray:
-    """Standard error of the mean over seeds: by the spread of the seeds, and never below their own errors' share."""
-    n = mean.sizes["seed"]
-    within = np.sqrt((error**2).sum("seed", skipna=False)) / n
-    if n == 1:
-        return within
-    return np.maximum(within, mean.std("seed", ddof=1, skipna=False) / math.sqrt(n))
-
-
-def resolved_yaml(config: Config) -> str:
-    """The configuration with every default filled in, in SI, as YAML."""
-    import io
-
-    from ruamel.yaml import YAML
-
-    text = io.StringIO()
-    yaml = YAML()
-    yaml.dump(config.model_dump(mode="json"), text)
-    return text.getvalue()

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .config import Config
 from .scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
+
+if TYPE_CHECKING:
+    from .modal.modes import Modes
 
 UNITS = {
     "density": ("kg m-3", "density"),
@@ -33,6 +37,16 @@ class Axis:
         """CF attributes of its coordinate."""
         units, long_name = UNITS[self.path[-1]]
         return {"units": units, "long_name": long_name, "configuration_key": ".".join(self.path)}
+
+
+@dataclass(frozen=True)
+class Point:
+    """One combination of the swept scalars: its configuration, its modes, and its excitation frequencies [Hz]."""
+
+    index: tuple[int, ...]
+    config: Config
+    modes: Modes | None
+    frequencies: list[float]
 
 
 def as_list(value) -> list:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from verification.suite import PMMA, RADIUS, Batch, Case, Cylinder, Drive, Material, Result, State, case, scene
 
+from verification.suite import PMMA, RADIUS, Batch, Case, Cylinder, Drive, Material, Result, State, case, scene
 from warpdamp.packing import separate
 
 CAVITY = Cylinder(0.03, 0.03)

@@ -1,6 +1,7 @@
 """Every verification case, shortened.  At full resolution: ``scripts/verification.py``, docs/verification.md."""
 
 import pytest
+
 from verification import dampers, impacts, invariances, motion
 from verification.suite import CASES
 
