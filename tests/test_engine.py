@@ -186,3 +186,12 @@ def test_starts_that_cannot_be_right_are_refused(damper, change, message):
     state = State(*(np.array(given[n], float) for n in ("position", "velocity", "velocity", "radius")))
     with pytest.raises(ValueError, match=message):
         Simulation(damper(), state, 2e-6)
+
+
+def test_a_step_that_does_not_fit_the_drive_is_refused(damper):
+    scene, ball = damper(46.0, 6.0), State.at_rest([[0, 0, 0.01]], RADIUS)
+    assert Case(scene, ball, 1 / 46 / 10_000).steps_per_cycle == 10_000
+    with pytest.raises(ValueError, match="does not divide the drive's period"):
+        Case(scene, ball, 2.1e-6)
+    with pytest.raises(ValueError, match="into 10000: leave it out"):
+        Case(scene, ball, 1 / 46 / 10_000, 2000)

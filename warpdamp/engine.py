@@ -40,7 +40,7 @@ class Case:
     Raises
     ------
     ValueError
-        If the step does not divide the drive's period.
+        If the step does not divide the drive's period into ``steps_per_cycle``.
     """
 
     scene: Scene
@@ -58,6 +58,11 @@ class Case:
             raise ValueError(
                 f"the step {self.dt:.6g} s does not divide the drive's period {period:.6g} s: take period / {near}, "
                 f"{period / near!r} s"
+            )
+        if self.steps_per_cycle not in (None, steps):
+            raise ValueError(
+                f"steps_per_cycle is {self.steps_per_cycle}, but a step of {self.dt:.6g} s divides the drive's period "
+                f"of {period:.6g} s into {steps}: leave it out"
             )
         object.__setattr__(self, "steps_per_cycle", steps)
 

@@ -14,7 +14,7 @@ from .scene import Scene, State
 Precision = Literal["float64", "float32"]
 
 STEPS_PER_CONTACT = 24
-"""Restitution then comes out within 0.01, and a bed's ledger closes to half a percent (docs/acceptance.md)."""
+"""A bed's ledger then closes to half a percent (docs/acceptance.md)."""
 
 FEWEST_STEPS_PER_CONTACT = 10
 """Below this a contact is not resolved and a forced step is refused."""

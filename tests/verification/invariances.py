@@ -25,7 +25,7 @@ def shaken_scene(**change):
 
 
 def run(s, state, steps, dt=2e-6):
-    batch = Batch([Case(s, state, dt, 10_000)], max_rows=2)
+    batch = Batch([Case(s, state, dt)], max_rows=2)
     batch.advance(steps)
     return batch.read()[0]
 
@@ -62,8 +62,8 @@ def order(fine):
 )
 def company(fine):
     s, steps = shaken_scene(), 20_000 if fine else 6000
-    case_ = Case(s, bed(), 2e-6, 2000)
-    rows = steps // 2000 + 1
+    case_ = Case(s, bed(), 2e-6)
+    rows = steps // 10_000 + 1
 
     def outcome(batch, k=0):
         state, _ = batch.read()[k]
@@ -76,7 +76,7 @@ def company(fine):
     expected = outcome(alone)
 
     crowd = Batch(
-        [Case(s, bed(k), 2e-6, 2000) for k in (4, 5, 6)] + [case_] + [Case(s, bed(k), 1e-6, 2000) for k in (7, 8)],
+        [Case(s, bed(k), 2e-6) for k in (4, 5, 6)] + [case_] + [Case(s, bed(k), 1e-6) for k in (7, 8)],
         max_rows=rows,
     )
     crowd.advance(steps)
