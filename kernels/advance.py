@@ -6,7 +6,7 @@ import warp as wp
 
 from .cylinder import wall_contacts
 from .data import ESCAPED, NOT_FINITE, types
-from .ledger import COSINE, LARGEST, SINE, WALL, WORK, Row, ledger
+from .ledger import ledger
 from .motion import motion
 from .pairs import pair_contacts
 
@@ -16,45 +16,26 @@ _NOT_FINITE, _ESCAPED = wp.constant(NOT_FINITE), wp.constant(ESCAPED)
 @functools.cache
 def stepper(effects):
     """Return the kernels ``advance`` and ``synchronise`` for the given effects."""
-    t = types(effects.real)
-    real, vec3 = t.real, t.vec3
+    t = types(effects)
+    real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
     Case, Particles, Contacts = t.Case, t.Particles, t.Contacts
     pair_forces, _ = pair_contacts(effects)
-    wall_forces, _ = wall_contacts(effects)
+    wall_forces, _, contained = wall_contacts(effects)
     enclosure_phase, integrate, kick = motion(effects)
-    stored = ledger(effects)
+    tally, stored, WORK = ledger(effects).tally, ledger(effects).stored, ledger(effects).WORK
 
     @wp.func
     def forces(case: Case, p: Particles, c: Contacts, step: wp.int64, h: real, since: real, row: Row):
         """All contact forces of a step, tallied; returns minus the enclosure's acceleration [m/s^2] and the row."""
-        pair_losses, pair_overlap = pair_forces(case, p, c, h, since)
+        pair_losses, largest = pair_forces(case, p, c, h, since)
         reaction = vec3()
-        wall_losses = wp.vec4d()
-        wall_overlap = real(0.0)
+        wall_losses = Losses()
         if wp.static(effects.enclosure):
-            reaction, wall_losses, wall_overlap = wall_forces(case, p, c, h, since)
-
+            reaction, wall_losses, wall_largest = wall_forces(case, p, c, h, since)
+            largest = wp.max(largest, wall_largest)
         cosine, sine = enclosure_phase(case, step)
-        inertial = case.acceleration * real(sine) * case.direction
-
-        for k in range(4):
-            row[k] += pair_losses[k]
-            row[WALL + k] += wall_losses[k]
-        along = wp.float64(wp.dot(reaction, case.direction) * h)
-        row[COSINE] += along * cosine
-        row[SINE] += along * sine
-        row[LARGEST] = wp.max(row[LARGEST], wp.float64(wp.max(pair_overlap, wall_overlap)))
-        return inertial, row
-
-    @wp.func
-    def contained(case: Case, p: Particles):
-        """Status: whether every centre is inside the cavity."""
-        for i in range(case.first, case.first + case.count):
-            x = p.position[i]
-            outside = x[0] * x[0] + x[1] * x[1] > case.radius * case.radius
-            if outside or x[2] < real(0.0) or x[2] > case.height:
-                return _ESCAPED
-        return wp.int32(0)
+        row = tally(case, row, pair_losses, wall_losses, largest, reaction, cosine, sine, h)
+        return case.acceleration * real(sine) * case.direction, row
 
     @wp.kernel(enable_backward=False, module="unique")
     def advance(
@@ -101,8 +82,8 @@ def stepper(effects):
                 if cycle < case.rows:
                     rows[case.first_row + cycle] = stored(case, p, c, row, real(0.5) * case.dt)
         if wp.static(effects.guards and effects.enclosure):
-            if status[n] == 0:
-                status[n] = contained(case, p)
+            if status[n] == 0 and not contained(case, p):
+                status[n] = _ESCAPED
         steps[n] = step
         drifts[n] = drift
         tallies[n] = row

@@ -20,6 +20,11 @@ Tangential history
     by velocities predicted for the whole step it feeds a jammed bed; taken at the end of the step alone it would lose
     30 % of a tangential swing at 20 steps a contact.)
 
+Rolling resistance
+    The elastic-plastic spring and dashpot of Ai, Chen, Rotter & Ooi (2011, doi:10.1016/j.powtec.2010.09.030) in the form
+    of a second friction: the way rolled, R* (spin_i - spin_j) x n, stretches a spring as stiff as the tangential one,
+    with a dashpot as strong, its force at most mu_r Fn.  Its moment is R* times that force: at most mu_r R* Fn.
+
 Energy
     The work of friction between two steps is the mean of its force at both times the way slid.  Less the change of the
     stored energy it splits into what loading and unloading give up (history) and what slides (slip); dashpots lose
@@ -35,132 +40,192 @@ from .data import types
 
 @functools.cache
 def contact_law(effects):
-    """Return ``contact``, ``normal_energy`` and ``tangential_energy`` for the given effects."""
-    t = types(effects.real)
-    real, vec3, vec4 = t.real, t.vec3, t.vec4
-    Law = t.Law
+    """Return ``contact``, ``parted``, ``elastic_energy`` and ``remembered_energy`` for the given effects."""
+    t = types(effects)
+    real, vec3, Losses = t.real, t.vec3, t.Losses
+    Law, Motion, History = t.Law, t.Motion, t.History
 
     @wp.func
-    def turned(stretch: vec3, normal: vec3, angle: real):
-        """The stretch carried along with the contact plane (and by ``angle`` about the normal), its length kept."""
-        flat = stretch - wp.dot(stretch, normal) * normal
-        flat += angle * wp.cross(normal, flat)
-        length2 = wp.dot(flat, flat)
-        if length2 > real(0.0):
-            flat *= wp.sqrt(wp.dot(stretch, stretch) / length2)
-        return flat
+    def spring(shear: real, a: real, old_a: real, old: vec3, moved: vec3, normal: vec3, turned: real, limit: real):
+        """A spring of stiffness ``shear`` a in the contact plane, its force at most ``limit``.
+
+        Returns the new stretch, the energy slid off and the energy given up.
+        """
+        # without the limit: the force is kept on loading, the stretch on unloading
+        kept = wp.min(old_a / a, real(1.0))
+        gain = real(0.5) * (real(1.0) + kept)
+        trial = kept * old - gain * moved
+        new2 = wp.dot(trial, trial)
+
+        # carried along with the contact plane, its length kept
+        out = wp.dot(trial, normal)
+        stretch = trial - out * normal
+        stretch += turned * wp.cross(normal, stretch)
+        if new2 > real(0.0):
+            stretch *= real(1.0) + real(0.5) * (out * out / new2 - turned * turned)
+
+        stiffness = shear * a
+        old_stiffness = shear * old_a
+        slip = real(0.0)
+        if stiffness * stiffness * new2 > limit * limit:
+            share = limit / (stiffness * wp.sqrt(new2))
+            slid_off = (real(1.0) - share) / gain * stretch
+            stretch *= share
+            new2 *= share * share
+            slip = wp.max(real(0.5) * wp.dot(old_stiffness * old + stiffness * stretch, slid_off), real(0.0))
+
+        old2 = wp.dot(old, old)
+        softened = old_stiffness - stiffness
+        given_up = real(0.25) * softened * (old2 + new2)
+        if softened < real(0.0):
+            hardened = -softened / (stiffness + old_stiffness)
+            given_up = real(0.5) * hardened * (stiffness * new2 + old_stiffness * old2)
+        return stretch, slip, given_up
 
     @wp.func
-    def damped(spring: vec3, viscous: vec3, limit: real):
-        """The share of the dashpot's force that friction's limit leaves room for beside the spring's.
+    def damped(spring_force: vec3, viscous: vec3, limit: real):
+        """The share of the dashpot's force that the limit leaves room for beside the spring's.
 
         While sliding on, none; when sliding turns round, all: the force has no jump there.
         """
-        total = spring + viscous
+        total = spring_force + viscous
         limit2 = limit * limit
         share = real(1.0)
         if wp.dot(total, total) > limit2:  # |spring + share viscous| = limit
-            along = wp.dot(spring, viscous)
+            along = wp.dot(spring_force, viscous)
             viscous2 = wp.dot(viscous, viscous)
-            room = wp.max(limit2 - wp.dot(spring, spring), real(0.0))
+            room = wp.max(limit2 - wp.dot(spring_force, spring_force), real(0.0))
             share = wp.max(wp.sqrt(along * along + viscous2 * room) - along, real(0.0)) / viscous2
         return wp.min(share, real(1.0))
 
     @wp.func
-    def contact(
+    def resistance(
         law: Law,
-        inverse_radius: real,
-        inverse_mass: real,
-        overlap: real,
+        a: real,
+        root: real,
+        old_a: real,
+        old: vec3,
+        moved: vec3,
+        rate: vec3,
         normal: vec3,
-        velocity: vec3,
-        slid: vec3,
-        turn: real,
-        history: vec4,
+        turned: real,
+        limit: real,
         h: real,
     ):
-        """Force on i, the new history, and the energy lost.
+        """Spring and dashpot in the contact plane against a motion, together at most ``limit``.
+
+        Returns the force, the stretch, and the energy lost to (dashpot, slip, history).
+        """
+        shear = real(8.0) * law.shear_modulus
+        stretch, slip, given_up = spring(shear, a, old_a, old, moved, normal, turned, limit)
+        force = shear * a * stretch
+        lost = vec3(real(0.0), slip, given_up)
+        if wp.static(effects.dashpots):
+            damping = law.tangential_damping * root
+            share = damped(force, -damping * rate, limit)
+            force -= share * damping * rate
+            lost[0] = share * damping * wp.dot(rate, rate) * h
+        return force, stretch, lost
+
+    @wp.func
+    def losses(normal: real, tangential: vec3, rolling: vec3):
+        """Energies lost, by channel or in total."""
+        rolled = rolling[0] + rolling[1] + rolling[2]
+        if wp.static(effects.channels):
+            return Losses(
+                wp.float64(normal),
+                wp.float64(tangential[0]),
+                wp.float64(tangential[1]),
+                wp.float64(tangential[2]),
+                wp.float64(rolled),
+            )
+        else:
+            return Losses(wp.float64(normal + tangential[0] + tangential[1] + tangential[2] + rolled))
+
+    @wp.func
+    def contact(
+        law: Law,
+        radius: real,
+        mass: real,
+        overlap: real,
+        normal: vec3,
+        motion: Motion,
+        old: History,
+        h: real,
+    ):
+        """Forces on i, what the contact remembers, and the energy lost.
 
         Parameters
         ----------
         law : Law
-        inverse_radius, inverse_mass : 1/R* [1/m], 1/m* [1/kg]
-        overlap [m], normal, velocity [m/s]
-            Velocity of i's surface relative to the partner's, predicted for this step.
-        slid : vec3 [m]
-            How far i's surface slid past the partner's since the last step.
-        turn [rad]
-            By how much the two bodies turned about the normal since the last step, in the mean.
-        history : (xi [m], a [m])
+        radius, mass : R* [m], m* [kg]
+        overlap [m], normal
+            The normal points from the partner to i.
+        motion : Motion
+            Of i's surface relative to the partner's.
+        old : History
+            Of the step before.
         h : time that this step stands for [s]
 
         Returns
         -------
         force : vec3 [N]
-        history : vec4
-        losses : vec4 [J]
-            In the order of ``data.LOSSES``.
+        rolling_force : vec3 [N]
+            Its moment on i is R* normal x rolling_force.
+        history : History
+        losses : Losses [J]
+            In the order of ``data.LOSSES``, or their sum.
         """
-        a = wp.sqrt(overlap / inverse_radius)
-        root = wp.sqrt(a / inverse_mass)
+        a = wp.sqrt(radius * overlap)
+        normal_force = real(4.0 / 3.0) * law.modulus * a * overlap
+        root = real(0.0)
+        approach = real(0.0)
+        lost = real(0.0)
+        if wp.static(effects.dashpots):
+            root = wp.sqrt(mass * a)
+            approach = -wp.dot(motion.velocity, normal)
+            dashpot = wp.max(law.normal_damping * root * approach, -normal_force)  # no tension
+            normal_force += dashpot
+            lost = dashpot * approach * h
 
-        approach = -wp.dot(velocity, normal)
-        spring_force = real(4.0 / 3.0) * law.modulus * a * overlap
-        normal_dashpot = wp.max(law.normal_damping * root * approach, -spring_force)  # no tension
-        normal_force = spring_force + normal_dashpot
-        limit = law.friction * normal_force
-
-        # the stretch without friction's limit: the force is kept on loading, the stretch on unloading
-        old_a = history[3]
-        old = vec3(history[0], history[1], history[2])
-        kept = wp.min(old_a / a, real(1.0))
-        gain = real(0.5) * (real(1.0) + kept)
-        trial = turned(kept * old - gain * slid, normal, turn)
-
-        stiffness = real(8.0) * law.shear_modulus * a
-        old_stiffness = real(8.0) * law.shear_modulus * old_a
-        stretch = trial
-        slip = real(0.0)
-        trial2 = stiffness * stiffness * wp.dot(trial, trial)
-        if trial2 > limit * limit:
-            stretch = trial * (limit / wp.sqrt(trial2))
-            slid_off = (trial - stretch) / gain
-            slip = wp.max(real(0.5) * wp.dot(old_stiffness * old + stiffness * stretch, slid_off), real(0.0))
-
-        old2 = wp.dot(old, old)
-        new2 = wp.dot(stretch, stretch)
-        given_up = real(0.25) * (old_stiffness - stiffness) * (old2 + new2)
-        if old_a < a:
-            mean = real(0.5) * (stiffness + old_stiffness)
-            given_up = real(0.5) * (
-                stiffness * new2 * (stiffness / mean - real(1.0))
-                + old_stiffness * old2 * (real(1.0) - old_stiffness / mean)
+        force = normal_force * normal
+        rolling_force = vec3()
+        history = History()
+        if wp.static(effects.history):
+            history.radius = a
+        tangential_lost = vec3()
+        if wp.static(effects.friction):
+            rate = motion.velocity + approach * normal
+            limit = law.friction * normal_force
+            friction, stretch, tangential_lost = resistance(
+                law, a, root, old.radius, old.stretch, motion.slid, rate, normal, motion.turned, limit, h
             )
-
-        slip_velocity = velocity + approach * normal
-        damping = law.tangential_damping * root
-        share = damped(stiffness * stretch, -damping * slip_velocity, limit)
-        tangential_force = stiffness * stretch - share * damping * slip_velocity
-        return (
-            normal_force * normal + tangential_force,
-            vec4(stretch[0], stretch[1], stretch[2], a),
-            vec4(
-                normal_dashpot * approach * h,
-                share * damping * wp.dot(slip_velocity, slip_velocity) * h,
-                slip,
-                given_up,
-            ),
-        )
+            force += friction
+            history.stretch = stretch
+        rolling_lost = vec3()
+        if wp.static(effects.rolling):
+            limit = law.rolling_friction * normal_force
+            rolling_force, roll, rolling_lost = resistance(
+                law, a, root, old.radius, old.roll, motion.rolled, motion.rolling, normal, motion.turned, limit, h
+            )
+            history.roll = roll
+        return force, rolling_force, history, losses(lost, tangential_lost, rolling_lost)
 
     @wp.func
-    def tangential_energy(law: Law, history: vec4):
-        """Energy in the tangential spring, St xi^2 / 2 [J]."""
-        xi2 = history[0] * history[0] + history[1] * history[1] + history[2] * history[2]
-        return real(4.0) * law.shear_modulus * history[3] * xi2
+    def remembered_energy(law: Law, old: History):
+        """Energy in the springs in the contact plane, St stretch^2 / 2 [J]: (tangential, rolling)."""
+        half_stiffness = real(4.0) * law.shear_modulus * old.radius
+        return half_stiffness * wp.dot(old.stretch, old.stretch), half_stiffness * wp.dot(old.roll, old.roll)
 
     @wp.func
-    def normal_energy(law: Law, inverse_radius: real, overlap: real):
+    def parted(law: Law, old: History):
+        """What a contact that has ended gives up, as ``losses``."""
+        tangential, rolling = remembered_energy(law, old)
+        return losses(real(0.0), vec3(real(0.0), real(0.0), tangential), vec3(rolling, real(0.0), real(0.0)))
+
+    @wp.func
+    def elastic_energy(law: Law, radius: real, overlap: real):
         """Energy of the Hertz spring, 2/5 Fn d = 8/15 E* a d^2 [J]."""
-        return real(8.0 / 15.0) * law.modulus * wp.sqrt(overlap / inverse_radius) * overlap * overlap
+        return real(8.0 / 15.0) * law.modulus * wp.sqrt(radius * overlap) * overlap * overlap
 
-    return contact, normal_energy, tangential_energy
+    return contact, parted, elastic_energy, remembered_energy

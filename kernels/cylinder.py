@@ -1,7 +1,8 @@
-"""Contacts between particles and the cylindrical cavity: side, floor and lid.
+"""Contacts between particles and the cylindrical cavity: side, floor and lid, each of them there or not.
 
 The walls stand still (the frame is the enclosure's) and are rigid bodies of their own material: R* = R, m* = m.
-A particle in an edge touches two walls, each with its own history.
+A particle in an edge touches two walls, each with its own history.  A cavity without a lid is an open cup whose side
+rises without end; floor and lid reach as far as the particles do.
 """
 
 import functools
@@ -10,31 +11,106 @@ import warp as wp
 
 from .contact import contact_law
 from .data import types
+from .grains import grains
 
-FLOOR, LID = wp.constant(1), wp.constant(2)  # 0 is the side
+SIDE, FLOOR, LID = wp.constant(0), wp.constant(1), wp.constant(2)
 
 
 @functools.cache
 def wall_contacts(effects):
-    """Return ``wall_forces`` and ``wall_energy`` for the given effects."""
-    t = types(effects.real)
-    real, vec3, vec4 = t.real, t.vec3, t.vec4
+    """Return ``wall_forces``, ``wall_energy`` and ``contained`` for the given effects."""
+    t = types(effects)
+    real, vec3 = t.real, t.vec3
+    Losses, Motion, History = t.Losses, t.Motion, t.History
     Case, Particles, Contacts = t.Case, t.Particles, t.Contacts
-    contact, normal_energy, tangential_energy = contact_law(effects)
+    contact, parted, elastic_energy, remembered_energy = contact_law(effects)
+    g = grains(effects)
+    radius_of, inverse_mass_of, law_of = g.radius_of, g.inverse_mass_of, g.wall_law
 
     @wp.func
-    def wall_gap(case: Case, wall: int, x: vec3, radius: real):
-        """Distance between the particle's surface and a wall (negative: overlap) and the wall's inward normal."""
-        if wall == FLOOR:
-            return x[2] - radius, vec3(real(0.0), real(0.0), real(1.0))
-        if wall == LID:
-            return case.height - x[2] - radius, vec3(real(0.0), real(0.0), real(-1.0))
+    def side_gap(case: Case, x: vec3, radius: real):
+        """Distance between the particle's surface and the side (negative: overlap) and the side's inward normal."""
         reach = case.radius - radius
         rho2 = x[0] * x[0] + x[1] * x[1]
         if rho2 <= reach * reach:
             return real(1.0), vec3()  # clear of the side: how far does not matter
         rho = wp.sqrt(rho2)
         return reach - rho, vec3(-x[0] / rho, -x[1] / rho, real(0.0))
+
+    @wp.func
+    def wall_motion(p: Particles, i: int, radius: real, normal: vec3, arm: real, since: real):
+        """How i's surface moves past the wall; what the effects do not ask for stays zero."""
+        motion = Motion()
+        if wp.static(effects.dashpots):
+            motion.velocity = p.velocity[i]
+            if wp.static(effects.rotation):
+                motion.velocity -= arm * wp.cross(p.spin[i], normal)
+        if wp.static(effects.friction):
+            passing = p.half_velocity[i]
+            passing -= wp.dot(passing, normal) * normal
+            if wp.static(effects.rotation):
+                passing -= arm * wp.cross(p.half_spin[i], normal)
+                motion.turned = real(0.5) * since * wp.dot(p.half_spin[i], normal)
+            motion.slid = since * passing
+        if wp.static(effects.rolling):
+            motion.rolled = since * radius * wp.cross(p.half_spin[i], normal)
+            if wp.static(effects.dashpots):
+                motion.rolling = radius * wp.cross(p.spin[i], normal)
+        return motion
+
+    @wp.func
+    def wall_history(c: Contacts, k: int):
+        """What the contact with a wall remembers."""
+        old = History()
+        if wp.static(effects.history):
+            old.radius = c.wall_radius[k]
+        if wp.static(effects.friction):
+            old.stretch = c.wall_stretch[k]
+        if wp.static(effects.rolling):
+            old.roll = c.wall_roll[k]
+        return old
+
+    @wp.func
+    def remember(c: Contacts, k: int, history: History):
+        """Store what the contact with a wall remembers."""
+        if wp.static(effects.history):
+            c.wall_radius[k] = history.radius
+        if wp.static(effects.friction):
+            c.wall_stretch[k] = history.stretch
+        if wp.static(effects.rolling):
+            c.wall_roll[k] = history.roll
+
+    @wp.func
+    def wall_force(
+        case: Case, p: Particles, c: Contacts, i: int, wall: int, gap: real, normal: vec3, h: real, since: real
+    ):
+        """Add what one wall does to one particle; return the force [N], the losses [J] and the overlap over R."""
+        f = vec3()
+        lost = Losses()
+        depth = real(0.0)
+        if gap < real(0.0):
+            radius = radius_of(case, p, i)
+            arm = radius + gap
+            f, rolling, history, lost = contact(
+                law_of(case, p, i),
+                radius,
+                real(1.0) / inverse_mass_of(case, p, i),
+                -gap,
+                normal,
+                wall_motion(p, i, radius, normal, arm, since),
+                wall_history(c, 3 * i + wall),
+                h,
+            )
+            p.force[i] += f
+            if wp.static(effects.rotation):
+                p.torque[i] += arm * wp.cross(f, normal) + radius * wp.cross(normal, rolling)
+            remember(c, 3 * i + wall, history)
+            depth = -gap / radius
+        elif wp.static(effects.history):
+            if c.wall_radius[3 * i + wall] > real(0.0):
+                lost = parted(law_of(case, p, i), wall_history(c, 3 * i + wall))
+                remember(c, 3 * i + wall, History())
+        return f, lost, depth
 
     @wp.func
     def wall_forces(case: Case, p: Particles, c: Contacts, h: real, since: real):
@@ -44,57 +120,71 @@ def wall_contacts(effects):
         enclosure [N], the losses [J] and the largest overlap over R.
         """
         reaction = vec3()
-        losses = wp.vec4d()
+        losses = Losses()
         largest = real(0.0)
         for i in range(case.first, case.first + case.count):
             x = p.position[i]
-            radius = p.radius[i]
-            for wall in range(3):
-                gap, normal = wall_gap(case, wall, x, radius)
-                if gap < real(0.0):
-                    spin = p.spin[i]
-                    half_spin = p.half_spin[i]
-                    passing = p.half_velocity[i]
-                    passing -= wp.dot(passing, normal) * normal
-                    arm = radius + gap
-                    f, history, lost = contact(
-                        case.wall_law,
-                        real(1.0) / radius,
-                        p.inverse_mass[i],
-                        -gap,
-                        normal,
-                        p.velocity[i] - arm * wp.cross(spin, normal),
-                        since * (passing - arm * wp.cross(half_spin, normal)),
-                        real(0.5) * since * wp.dot(half_spin, normal),
-                        c.wall_history[3 * i + wall],
-                        h,
-                    )
-                    p.force[i] += f
-                    p.torque[i] += arm * wp.cross(f, normal)
-                    reaction -= f
-                    c.wall_history[3 * i + wall] = history
-                    losses += wp.vec4d(lost)
-                    largest = wp.max(largest, -gap / radius)
-                else:
-                    history = c.wall_history[3 * i + wall]
-                    if history[3] > real(0.0):
-                        losses[3] += wp.float64(tangential_energy(case.wall_law, history))
-                        c.wall_history[3 * i + wall] = vec4()
+            radius = radius_of(case, p, i)
+            if wp.static(effects.side):
+                gap, normal = side_gap(case, x, radius)
+                f, lost, depth = wall_force(case, p, c, i, SIDE, gap, normal, h, since)
+                reaction -= f
+                losses += lost
+                largest = wp.max(largest, depth)
+            if wp.static(effects.floor):
+                up = vec3(real(0.0), real(0.0), real(1.0))
+                f, lost, depth = wall_force(case, p, c, i, FLOOR, x[2] - radius, up, h, since)
+                reaction -= f
+                losses += lost
+                largest = wp.max(largest, depth)
+            if wp.static(effects.lid):
+                down = vec3(real(0.0), real(0.0), real(-1.0))
+                f, lost, depth = wall_force(case, p, c, i, LID, case.height - x[2] - radius, down, h, since)
+                reaction -= f
+                losses += lost
+                largest = wp.max(largest, depth)
         return reaction, losses, largest
 
     @wp.func
+    def one_wall_energy(case: Case, p: Particles, c: Contacts, i: int, wall: int, gap: real):
+        """Elastic energy (normal, tangential, rolling) [J] of one particle and one wall."""
+        stored = wp.vec3d()
+        if gap < real(0.0):
+            stored[0] = wp.float64(elastic_energy(law_of(case, p, i), radius_of(case, p, i), -gap))
+        if wp.static(effects.history):
+            tangential, rolling = remembered_energy(law_of(case, p, i), wall_history(c, 3 * i + wall))
+            stored[1] = wp.float64(tangential)
+            stored[2] = wp.float64(rolling)
+        return stored
+
+    @wp.func
     def wall_energy(case: Case, p: Particles, c: Contacts, offset: real):
-        """Elastic energy (normal, tangential) [J] in the wall contacts, positions taken ``offset`` seconds back."""
-        normal = wp.float64(0.0)
-        tangential = wp.float64(0.0)
+        """Elastic energy (normal, tangential, rolling) [J] of the walls, positions taken ``offset`` seconds back."""
+        stored = wp.vec3d()
         for i in range(case.first, case.first + case.count):
             x = p.position[i] - offset * p.half_velocity[i]
-            radius = p.radius[i]
-            for wall in range(3):
-                gap, _normal = wall_gap(case, wall, x, radius)
-                if gap < real(0.0):
-                    normal += wp.float64(normal_energy(case.wall_law, real(1.0) / radius, -gap))
-                tangential += wp.float64(tangential_energy(case.wall_law, c.wall_history[3 * i + wall]))
-        return normal, tangential
+            radius = radius_of(case, p, i)
+            if wp.static(effects.side):
+                gap, _normal = side_gap(case, x, radius)
+                stored += one_wall_energy(case, p, c, i, SIDE, gap)
+            if wp.static(effects.floor):
+                stored += one_wall_energy(case, p, c, i, FLOOR, x[2] - radius)
+            if wp.static(effects.lid):
+                stored += one_wall_energy(case, p, c, i, LID, case.height - x[2] - radius)
+        return stored
 
-    return wall_forces, wall_energy
+    @wp.func
+    def contained(case: Case, p: Particles):
+        """Whether every centre is on the inner side of every wall."""
+        inside = wp.bool(True)
+        for i in range(case.first, case.first + case.count):
+            x = p.position[i]
+            if wp.static(effects.side):
+                inside = inside and x[0] * x[0] + x[1] * x[1] <= case.radius * case.radius
+            if wp.static(effects.floor):
+                inside = inside and x[2] >= real(0.0)
+            if wp.static(effects.lid):
+                inside = inside and x[2] <= case.height
+        return inside
+
+    return wall_forces, wall_energy, contained

@@ -1,44 +1,71 @@
-"""The nouns of the device: what a case is, what a particle carries, what a contact remembers."""
+"""The nouns of the device: what a case is, what a particle carries, what a contact remembers.
+
+A field that no effect of the scene needs does not exist: structs are made for the effects, as kernels are.
+"""
 
 import functools
 from types import SimpleNamespace
 
 import warp as wp
 
-LOSSES = ("normal_dashpot", "tangential_dashpot", "slip", "history")
-STORES = ("kinetic_translation", "kinetic_rotation", "gravity", "elastic_normal", "elastic_tangential")
-COLUMNS = (
-    *(f"particle_{name}" for name in LOSSES),
-    *(f"wall_{name}" for name in LOSSES),
-    "work_input",
-    "reaction_cosine",
-    "reaction_sine",
-    "largest_overlap",
-    *STORES,
+LOSSES = ("normal_dashpot", "tangential_dashpot", "slip", "history", "rolling")
+"""Channels in which contacts lose energy."""
+
+STORES = (
+    "kinetic_translation",
+    "kinetic_rotation",
+    "gravity",
+    "elastic_normal",
+    "elastic_tangential",
+    "elastic_rolling",
 )
-"""One row of the ledger [J], except: reaction_* = integral of the reaction along the drive times cos, sin [N s];
-largest_overlap = overlap over the reduced radius.  All but ``STORES`` accumulate from step 0."""
 
 OK = 0
 NOT_FINITE = 1
 ESCAPED = 2
 
 
+def columns(channels):
+    """Names of a ledger row's columns, with the losses by channel or in total.
+
+    All are energies [J], except: reaction_* = integral of the reaction along the drive times cos, sin [N s];
+    largest_overlap = overlap over the reduced radius.  All but ``STORES`` accumulate from step 0.
+    """
+    losses = LOSSES if channels else ("total",)
+    return (
+        *(f"particle_{name}" for name in losses),
+        *(f"wall_{name}" for name in losses),
+        "work_input",
+        "reaction_cosine",
+        "reaction_sine",
+        "largest_overlap",
+        *STORES,
+    )
+
+
 @functools.cache
-def types(real):
-    """Structs in the precision ``real`` (``wp.float64`` or ``wp.float32``)."""
+def types(effects):
+    """Structs and vectors for the given effects."""
+    real = effects.real
     vec3 = wp.types.vector(3, real)
-    vec4 = wp.types.vector(4, real)
+    Losses = wp.types.vector(len(LOSSES) if effects.channels else 1, wp.float64)
+    Row = wp.types.vector(len(columns(effects.channels)), wp.float64)
 
     @wp.struct
     class Law:
         """Contact constants of two materials; see ``contact.py``."""
 
         modulus: real  # E* [Pa]
-        shear_modulus: real  # G* [Pa]
-        normal_damping: real  # 2 sqrt(5/6) b sqrt(2 E*)
-        tangential_damping: real  # 2 sqrt(5/6) b sqrt(8 G*)
-        friction: real
+        if effects.dashpots:
+            normal_damping: real  # 2 sqrt(5/6) b sqrt(2 E*)
+        if effects.history:
+            shear_modulus: real  # G* [Pa]
+        if effects.history and effects.dashpots:
+            tangential_damping: real  # 2 sqrt(5/6) b sqrt(8 G*)
+        if effects.friction:
+            friction: real
+        if effects.rolling:
+            rolling_friction: real
 
     @wp.struct
     class Case:
@@ -51,41 +78,97 @@ def types(real):
         cycle: wp.int32  # steps per cycle of the drive (a row is written at the end of each)
         dt: real  # [s]
         skin: real  # extra reach of the neighbour list [m]
-        radius: real  # of the cavity [m]
-        height: real  # of the cavity [m]
-        gravity: vec3  # [m/s^2]
+        if effects.enclosure:
+            radius: real  # of the cavity [m]
+            height: real  # of the cavity [m]
+        if effects.gravity:
+            gravity: vec3  # [m/s^2]
         direction: vec3  # unit vector of the drive
         acceleration: real  # amplitude of the drive [m/s^2]
-        particle_law: Law
-        wall_law: Law
+        if not effects.sizes:
+            grain_radius: real  # of every particle [m]
+        if effects.alike:
+            inverse_mass: real  # of every particle [1/kg]
+            inverse_inertia: real
+        if effects.materials:
+            species: wp.int32  # how many
+            first_law: wp.int32  # its laws are first_law + species_i species + species_j
+            first_wall_law: wp.int32  # and first_wall_law + species_i
+        else:
+            grain_law: Law
+            wall_law: Law
 
     @wp.struct
     class Particles:
-        """Arrays over all particles of all cases of a batch."""
+        """Arrays over all particles of all cases of a batch, and the laws of their contacts."""
 
         position: wp.array(dtype=vec3)  # at n
-        velocity: wp.array(dtype=vec3)  # predicted for n
-        spin: wp.array(dtype=vec3)  # predicted for n
         half_velocity: wp.array(dtype=vec3)  # at n - 1/2
-        half_spin: wp.array(dtype=vec3)  # at n - 1/2
         force: wp.array(dtype=vec3)
-        torque: wp.array(dtype=vec3)
-        radius: wp.array(dtype=real)
-        inverse_mass: wp.array(dtype=real)
-        inverse_inertia: wp.array(dtype=real)
         listed: wp.array(dtype=vec3)  # position when the neighbour list was made
+        if effects.dashpots:
+            velocity: wp.array(dtype=vec3)  # predicted for n
+        if effects.rotation:
+            half_spin: wp.array(dtype=vec3)  # at n - 1/2
+            torque: wp.array(dtype=vec3)
+        if effects.rotation and effects.dashpots:
+            spin: wp.array(dtype=vec3)  # predicted for n
+        if effects.sizes:
+            radius: wp.array(dtype=real)
+        if not effects.alike:
+            inverse_mass: wp.array(dtype=real)
+            inverse_inertia: wp.array(dtype=real)
+        if effects.materials:
+            species: wp.array(dtype=wp.int32)
+            laws: wp.array(dtype=Law)
+            wall_laws: wp.array(dtype=Law)
 
     @wp.struct
     class Contacts:
-        """Neighbour list (pairs i < j sorted by i, then j) and what each contact remembers.
+        """Neighbour list (pairs i < j sorted by i, then j) and what each contact remembers of the last step.
 
-        A history is (xi, a): the tangential spring's stretch xi [m] and the contact radius a [m] of the last step;
-        a = 0 where there was no contact.
+        A contact radius of 0: there was no contact.
         """
 
         start: wp.array(dtype=wp.int32)  # pairs of i: start[i] .. start[i + 1] - 1
         partner: wp.array(dtype=wp.int32)
-        pair_history: wp.array(dtype=vec4)
-        wall_history: wp.array(dtype=vec4)  # 3 i + (0 side, 1 floor, 2 lid)
+        if effects.history:
+            pair_radius: wp.array(dtype=real)  # contact radius a [m]
+            wall_radius: wp.array(dtype=real)  # 3 i + (0 side, 1 floor, 2 lid)
+        if effects.friction:
+            pair_stretch: wp.array(dtype=vec3)  # of the tangential spring [m]
+            wall_stretch: wp.array(dtype=vec3)
+        if effects.rolling:
+            pair_roll: wp.array(dtype=vec3)  # stretch of the rolling spring [m]
+            wall_roll: wp.array(dtype=vec3)
 
-    return SimpleNamespace(real=real, vec3=vec3, vec4=vec4, Law=Law, Case=Case, Particles=Particles, Contacts=Contacts)
+    @wp.struct
+    class Motion:
+        """Of i's surface relative to its partner's; what no effect needs stays zero and costs nothing."""
+
+        velocity: vec3  # predicted for this step [m/s]
+        slid: vec3  # how far since the last step [m]
+        turned: real  # of both about the normal since the last step, in the mean [rad]
+        rolling: vec3  # R* (spin_i - spin_j) x normal, predicted for this step [m/s]
+        rolled: vec3  # how far since the last step [m]
+
+    @wp.struct
+    class History:
+        """What a contact remembers."""
+
+        radius: real  # contact radius a [m]
+        stretch: vec3  # of the tangential spring [m]
+        roll: vec3  # of the rolling spring [m]
+
+    return SimpleNamespace(
+        real=real,
+        vec3=vec3,
+        Losses=Losses,
+        Row=Row,
+        Law=Law,
+        Case=Case,
+        Particles=Particles,
+        Contacts=Contacts,
+        Motion=Motion,
+        History=History,
+    )

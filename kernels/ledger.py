@@ -9,32 +9,52 @@ is an independent check of every run.
 """
 
 import functools
+from types import SimpleNamespace
 
 import warp as wp
 
 from .cylinder import wall_contacts
-from .data import COLUMNS, types
+from .data import columns, types
+from .grains import grains
 from .pairs import pair_contacts
-
-_AT = {name: wp.constant(k) for k, name in enumerate(COLUMNS)}
-WALL = _AT["wall_normal_dashpot"]
-WORK = _AT["work_input"]
-COSINE = _AT["reaction_cosine"]
-SINE = _AT["reaction_sine"]
-LARGEST = _AT["largest_overlap"]
-STORED = _AT["kinetic_translation"]
-
-Row = wp.types.vector(len(COLUMNS), wp.float64)
 
 
 @functools.cache
 def ledger(effects):
-    """Return ``stored`` for the given effects."""
-    t = types(effects.real)
-    real = t.real
+    """Return ``tally``, ``stored`` and the number of the column ``work_input`` for the given effects."""
+    t = types(effects)
+    real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
     Case, Particles, Contacts = t.Case, t.Particles, t.Contacts
+    at = {name: wp.constant(k) for k, name in enumerate(columns(effects.channels))}
+    WORK, COSINE, SINE = at["work_input"], at["reaction_cosine"], at["reaction_sine"]
+    LARGEST, STORED = at["largest_overlap"], at["kinetic_translation"]
+    CHANNELS = wp.constant(WORK // 2)
     _, pair_energy = pair_contacts(effects)
-    _, wall_energy = wall_contacts(effects)
+    _, wall_energy, _ = wall_contacts(effects)
+    g = grains(effects)
+    inverse_mass_of, inverse_inertia_of = g.inverse_mass_of, g.inverse_inertia_of
+
+    @wp.func
+    def tally(
+        case: Case,
+        row: Row,
+        pair_losses: Losses,
+        wall_losses: Losses,
+        largest: real,
+        reaction: vec3,
+        cosine: wp.float64,
+        sine: wp.float64,
+        h: real,
+    ):
+        """Add what a step's contacts did: losses, deepest overlap, first harmonic of the reaction along the drive."""
+        for k in range(CHANNELS):
+            row[k] += pair_losses[k]
+            row[CHANNELS + k] += wall_losses[k]
+        along = wp.float64(wp.dot(reaction, case.direction) * h)
+        row[COSINE] += along * cosine
+        row[SINE] += along * sine
+        row[LARGEST] = wp.max(row[LARGEST], wp.float64(largest))
+        return row
 
     @wp.func
     def stored(case: Case, p: Particles, c: Contacts, row: Row, offset: real):
@@ -44,22 +64,21 @@ def ledger(effects):
         gravity = wp.float64(0.0)
         for i in range(case.first, case.first + case.count):
             v = p.half_velocity[i]
-            spin = p.half_spin[i]
-            mass = real(1.0) / p.inverse_mass[i]
-            x = p.position[i] - offset * v
+            mass = real(1.0) / inverse_mass_of(case, p, i)
             translation += wp.float64(real(0.5) * mass * wp.dot(v, v))
-            rotation += wp.float64(real(0.5) * wp.dot(spin, spin) / p.inverse_inertia[i])
-            gravity -= wp.float64(mass * wp.dot(case.gravity, x))
-        normal, tangential = pair_energy(case, p, c, offset)
-        wall_normal = wp.float64(0.0)
-        wall_tangential = wp.float64(0.0)
+            if wp.static(effects.rotation):
+                spin = p.half_spin[i]
+                rotation += wp.float64(real(0.5) * wp.dot(spin, spin) / inverse_inertia_of(case, p, i))
+            if wp.static(effects.gravity):
+                gravity -= wp.float64(mass * wp.dot(case.gravity, p.position[i] - offset * v))
+        elastic = pair_energy(case, p, c, offset)
         if wp.static(effects.enclosure):
-            wall_normal, wall_tangential = wall_energy(case, p, c, offset)
+            elastic += wall_energy(case, p, c, offset)
         row[STORED] = translation
         row[STORED + 1] = rotation
         row[STORED + 2] = gravity
-        row[STORED + 3] = normal + wall_normal
-        row[STORED + 4] = tangential + wall_tangential
+        for k in range(3):
+            row[STORED + 3 + k] = elastic[k]
         return row
 
-    return stored
+    return SimpleNamespace(tally=tally, stored=stored, WORK=WORK)

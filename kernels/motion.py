@@ -5,14 +5,17 @@ import functools
 import warp as wp
 
 from .data import types
+from .grains import grains
 
 
 @functools.cache
 def motion(effects):
     """Return ``enclosure_phase``, ``integrate`` and ``kick`` for the given effects."""
-    t = types(effects.real)
+    t = types(effects)
     real, vec3 = t.real, t.vec3
     Case, Particles = t.Case, t.Particles
+    g = grains(effects)
+    inverse_mass_of, inverse_inertia_of = g.inverse_mass_of, g.inverse_inertia_of
 
     @wp.func
     def enclosure_phase(case: Case, step: wp.int64):
@@ -24,11 +27,19 @@ def motion(effects):
         return wp.cos(phase), wp.sin(phase)
 
     @wp.func
+    def body_force(case: Case, inertial: vec3):
+        """Force per mass on every particle: the inertial force, and gravity [m/s^2]."""
+        if wp.static(effects.gravity):
+            return inertial + case.gravity
+        else:
+            return inertial
+
+    @wp.func
     def integrate(case: Case, p: Particles, inertial: vec3, h: real, drift: vec3):
         """Kick over ``h``, drift over dt, predict the velocities for the next step, and clear the forces.
 
         Leapfrog: half_velocity is exact at half steps; velocity = half_velocity + a dt / 2 is the prediction that the
-        dashpots and the springs' history of the next step see.
+        dashpots of the next step see.
 
         Parameters
         ----------
@@ -45,44 +56,51 @@ def motion(effects):
             Largest square of a displacement, less ``drift``, since the list was made.
         mean_velocity : vec3 [m/s]
         """
-        work = wp.float64(0.0)
+        momentum = wp.vec3d()  # twice the mean of before and after
         travel2 = real(0.0)
         mean_velocity = vec3()
-        body = case.gravity + inertial
+        body = body_force(case, inertial)
         half = real(0.5) * case.dt
         for i in range(case.first, case.first + case.count):
-            acceleration = p.force[i] * p.inverse_mass[i] + body
+            inverse_mass = inverse_mass_of(case, p, i)
+            acceleration = inverse_mass * p.force[i] + body
             before = p.half_velocity[i]
             after = before + h * acceleration
-            work += wp.float64(wp.dot(inertial, before + after) * real(0.5) * h / p.inverse_mass[i])
+            momentum += wp.vec3d((real(1.0) / inverse_mass) * (before + after))
             x = p.position[i] + case.dt * after
             p.position[i] = x
             p.half_velocity[i] = after
-            p.velocity[i] = after + half * acceleration
-
-            turning = p.torque[i] * p.inverse_inertia[i]
-            spin = p.half_spin[i] + h * turning
-            p.half_spin[i] = spin
-            p.spin[i] = spin + half * turning
-
             p.force[i] = vec3()
-            p.torque[i] = vec3()
+            if wp.static(effects.dashpots):
+                p.velocity[i] = after + half * acceleration
+
+            if wp.static(effects.rotation):
+                turning = inverse_inertia_of(case, p, i) * p.torque[i]
+                spin = p.half_spin[i] + h * turning
+                p.half_spin[i] = spin
+                p.torque[i] = vec3()
+                if wp.static(effects.dashpots):
+                    p.spin[i] = spin + half * turning
+
             mean_velocity += after
             moved = x - p.listed[i] - drift
             travel2 = wp.max(travel2, wp.dot(moved, moved))
+        work = wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
         return work, travel2, mean_velocity / real(case.count)
 
     @wp.func
     def kick(case: Case, p: Particles, inertial: vec3, h: real):
         """Bring the velocities from the half step before to the whole step; returns the inertial work [J]."""
-        work = wp.float64(0.0)
-        body = case.gravity + inertial
+        momentum = wp.vec3d()  # twice the mean of before and after
+        body = body_force(case, inertial)
         for i in range(case.first, case.first + case.count):
+            inverse_mass = inverse_mass_of(case, p, i)
             before = p.half_velocity[i]
-            after = before + h * (p.force[i] * p.inverse_mass[i] + body)
-            work += wp.float64(wp.dot(inertial, before + after) * real(0.5) * h / p.inverse_mass[i])
+            after = before + h * (inverse_mass * p.force[i] + body)
+            momentum += wp.vec3d((real(1.0) / inverse_mass) * (before + after))
             p.half_velocity[i] = after
-            p.half_spin[i] = p.half_spin[i] + h * p.torque[i] * p.inverse_inertia[i]
-        return work
+            if wp.static(effects.rotation):
+                p.half_spin[i] = p.half_spin[i] + h * inverse_inertia_of(case, p, i) * p.torque[i]
+        return wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
 
     return enclosure_phase, integrate, kick

@@ -9,19 +9,21 @@ import functools
 import warp as wp
 
 from .data import types
+from .grains import grains
 
 
 @functools.cache
 def neighbour_search(effects):
     """Return the kernels ``count_pairs`` and ``list_pairs`` for the given effects."""
-    t = types(effects.real)
-    real, vec3, vec4 = t.real, t.vec3, t.vec4
+    t = types(effects)
+    real, vec3 = t.real, t.vec3
     Case, Particles, Contacts = t.Case, t.Particles, t.Contacts
+    radius_of = grains(effects).radius_of
 
     @wp.func
-    def near(p: Particles, i: int, j: int, skin: real):
+    def near(case: Case, p: Particles, i: int, j: int):
         branch = p.position[i] - p.position[j]
-        reach = p.radius[i] + p.radius[j] + skin
+        reach = radius_of(case, p, i) + radius_of(case, p, j) + case.skin
         return j > i and wp.dot(branch, branch) < reach * reach
 
     @wp.kernel(enable_backward=False, module="unique")
@@ -29,22 +31,28 @@ def neighbour_search(effects):
         grid: wp.uint64,
         cases: wp.array(dtype=Case),
         group: wp.array(dtype=wp.int32),
+        waiting: wp.array(dtype=wp.int32),
         largest_radius: real,
         p: Particles,
+        old: Contacts,
         # out:
         counts: wp.array(dtype=wp.int32),
     ):
+        """How many partners every particle of the waiting cases has; the other cases keep what they have."""
         i = wp.tid()
-        skin = cases[group[i]].skin
+        if waiting[group[i]] == 0:
+            counts[i] = old.start[i + 1] - old.start[i]
+            return
+        case = cases[group[i]]
         count = wp.int32(0)
-        for j in wp.hash_grid_query(grid, p.position[i], p.radius[i] + largest_radius + skin, group[i]):
-            if near(p, i, j, skin):
+        for j in wp.hash_grid_query(grid, p.position[i], radius_of(case, p, i) + largest_radius + case.skin, group[i]):
+            if near(case, p, i, j):
                 count += 1
         counts[i] = count
 
     @wp.func
-    def carried_over(old: Contacts, i: int, j: int):
-        """The history of pair (i, j) in the old list; zero where it had none."""
+    def place_in(old: Contacts, i: int, j: int):
+        """Where the pair (i, j) is in the old list; -1 where it was not near."""
         low = old.start[i]
         high = old.start[i + 1]
         while low < high:
@@ -53,17 +61,33 @@ def neighbour_search(effects):
                 low = middle + 1
             else:
                 high = middle
-        history = vec4()
         if low < old.start[i + 1]:
             if old.partner[low] == j:
-                history = old.pair_history[low]
-        return history
+                return low
+        return wp.int32(-1)
+
+    @wp.func
+    def carry_over(old: Contacts, fresh: Contacts, k: int, before: int):
+        """Copy what a contact remembers from the old list; nothing where there was none."""
+        if wp.static(effects.history):
+            fresh.pair_radius[k] = real(0.0)
+            if before >= 0:
+                fresh.pair_radius[k] = old.pair_radius[before]
+        if wp.static(effects.friction):
+            fresh.pair_stretch[k] = vec3()
+            if before >= 0:
+                fresh.pair_stretch[k] = old.pair_stretch[before]
+        if wp.static(effects.rolling):
+            fresh.pair_roll[k] = vec3()
+            if before >= 0:
+                fresh.pair_roll[k] = old.pair_roll[before]
 
     @wp.kernel(enable_backward=False, module="unique")
     def list_pairs(
         grid: wp.uint64,
         cases: wp.array(dtype=Case),
         group: wp.array(dtype=wp.int32),
+        waiting: wp.array(dtype=wp.int32),
         largest_radius: real,
         p: Particles,
         old: Contacts,
@@ -71,20 +95,28 @@ def neighbour_search(effects):
         fresh: Contacts,
         drifts: wp.array(dtype=vec3),
     ):
+        """List them, and carry over what their contacts remember."""
         i = wp.tid()
-        skin = cases[group[i]].skin
         first = fresh.start[i]
         last = first
-        for j in wp.hash_grid_query(grid, p.position[i], p.radius[i] + largest_radius + skin, group[i]):
-            if near(p, i, j, skin):
+        if waiting[group[i]] == 0:
+            for k in range(old.start[i], old.start[i + 1]):
+                fresh.partner[last] = old.partner[k]
+                carry_over(old, fresh, last, k)
+                last += 1
+            return
+        case = cases[group[i]]
+        for j in wp.hash_grid_query(grid, p.position[i], radius_of(case, p, i) + largest_radius + case.skin, group[i]):
+            if near(case, p, i, j):
                 k = last
                 while k > first and fresh.partner[k - 1] > j:  # insertion sort: rows are short
                     fresh.partner[k] = fresh.partner[k - 1]
                     k -= 1
                 fresh.partner[k] = j
                 last += 1
-        for k in range(first, last):
-            fresh.pair_history[k] = carried_over(old, i, fresh.partner[k])
+        if wp.static(effects.history):
+            for k in range(first, last):
+                carry_over(old, fresh, k, place_in(old, i, fresh.partner[k]))
         p.listed[i] = p.position[i]
         drifts[group[i]] = vec3()
 

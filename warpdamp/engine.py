@@ -10,15 +10,15 @@ import warp as wp
 
 from . import guards
 from .device import DEVICE
-from .effects import Effects
+from .effects import Effects, called_for, covering
 from .kernels import data
 from .kernels.advance import stepper
-from .kernels.ledger import Row
 from .kernels.neighbours import neighbour_search
 from .law import contact_constants
 from .ledger import Ledger
 from .scene import Scene, State
-from .timestep import Precision, check_step
+from .timestep import check_step
+from .transfer import Transfer
 
 SKIN = 0.2
 """Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results."""
@@ -71,47 +71,44 @@ _WENT_WRONG = {data.NOT_FINITE: "the state is not finite", data.ESCAPED: "a part
 
 
 class Batch:
-    """Cases that advance together.  Each gives the same bits as alone.
+    """Cases that advance together.  Each gives the same bits as alone with the same effects.
 
     Parameters
     ----------
     cases : list of Case
-        All with an enclosure, or all without.
     max_rows : int
         Ledger rows to keep for each case, the one at the start included.
-    precision : "float64" or "float32"
-    guarded : bool
-        Whether the kernels check for what went wrong; see ``Effects``.
+    effects : Effects or None
+        What the kernels are compiled for.  None: all that the cases call for.
     """
 
-    def __init__(self, cases: list[Case], *, max_rows: int = 1, precision: Precision = "float64", guarded: bool = True):
+    def __init__(self, cases: list[Case], *, max_rows: int = 1, effects: Effects | None = None):
         self.cases = list(cases)
-        enclosures = {case.scene.enclosure is not None for case in cases}
-        if len(enclosures) != 1:
-            raise ValueError("the cases of a batch must all have an enclosure, or all have none")
-        self.effects = Effects(precision=precision, enclosure=enclosures.pop(), guards=guarded)
-        t = data.types(self.effects.real)
+        for case in self.cases:
+            guards.check_values(case.state)
+        self.effects = effects or covering([called_for(case.scene, case.state) for case in self.cases])
+        t = data.types(self.effects)
         self._types = t
         self._advance, self._synchronise = stepper(self.effects)
         self._count_pairs, self._list_pairs = neighbour_search(self.effects)
 
-        for case in self.cases:
-            guards.check_values(case.state)
-        counts = [len(case.state) for case in self.cases]
-        self._first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+        self._transfer = Transfer(t, [case.state for case in self.cases])
         self._max_rows = max_rows
-        n, m = int(self._first[-1]), len(self.cases)
+        n, m = len(self._transfer), len(self.cases)
+        counts = [len(case.state) for case in self.cases]
 
-        self._constants = wp.array([self._device_case(k) for k in range(m)], dtype=t.Case, device=DEVICE)
+        laws: dict[str, list] = {"laws": [], "wall_laws": []}
+        self._constants = wp.array([self._device_case(k, laws) for k in range(m)], dtype=t.Case, device=DEVICE)
         self._group = wp.array(np.repeat(np.arange(m, dtype=np.int32), counts), device=DEVICE)
-        self._particles = self._device_particles()
-        self._contacts = self._device_contacts()
+        self._particles = self._transfer.particles([c.scene.masses(c.state) for c in self.cases], laws)
+        self._contacts = self._transfer.contacts()
         self._steps = wp.zeros(m, dtype=wp.int64, device=DEVICE)
         self._target = wp.zeros(m, dtype=wp.int64, device=DEVICE)
         self._drifts = wp.zeros(m, dtype=t.vec3, device=DEVICE)
-        self._tallies = wp.zeros(m, dtype=Row, device=DEVICE)
-        self._rows = wp.full(m * max_rows, Row(math.nan), dtype=Row, device=DEVICE)
+        self._tallies = wp.zeros(m, dtype=t.Row, device=DEVICE)
+        self._rows = wp.full(m * max_rows, t.Row(math.nan), dtype=t.Row, device=DEVICE)
         self._status = wp.zeros(m, dtype=wp.int32, device=DEVICE)
+        self._waiting = wp.zeros(m, dtype=wp.int32, device=DEVICE)
         self._counts = wp.zeros(n + 1, dtype=wp.int32, device=DEVICE)
 
         self._largest_radius = max(float(np.max(c.state.radius)) for c in self.cases)
@@ -120,88 +117,82 @@ class Batch:
         self._grid = wp.HashGrid(side, side, side, device=DEVICE, dtype=self.effects.real)
         self._check_overlaps()
 
-    def _device_case(self, k: int):
+    def _device_case(self, k: int, laws: dict[str, list]):
         t, case = self._types, self.cases[k]
-        scene = case.scene
-        drive = scene.drive
-        c = t.Case()
-        c.first, c.count = int(self._first[k]), len(case.state)
-        c.first_row, c.rows = k * self._max_rows, self._max_rows
-        c.cycle = case.steps_per_cycle or _NEVER
-        c.dt = case.dt
-        c.skin = SKIN * float(np.min(case.state.radius))
+        scene, state, drive = case.scene, case.state, case.scene.drive
+        radius = float(state.radius[0])
+        mass = float(scene.masses(state)[0])
+        values = {
+            "first": int(self._transfer.first[k]),
+            "count": len(state),
+            "first_row": k * self._max_rows,
+            "rows": self._max_rows,
+            "cycle": case.steps_per_cycle or _NEVER,
+            "dt": case.dt,
+            "skin": SKIN * float(np.min(state.radius)),
+            "gravity": t.vec3(*scene.gravity),
+            "direction": t.vec3(*(drive.direction if drive else (0.0, 0.0, 1.0))),
+            "acceleration": drive.acceleration if drive else 0.0,
+            "grain_radius": radius,
+            "inverse_mass": 1 / mass,
+            "inverse_inertia": 2.5 / (mass * radius**2),
+        }
         if scene.enclosure:
-            c.radius, c.height = scene.enclosure.diameter / 2, scene.enclosure.height
-        c.gravity = t.vec3(*scene.gravity)
-        if drive:
-            c.direction, c.acceleration = t.vec3(*drive.direction), drive.acceleration
-        for law, wall, surface in (
-            (c.particle_law, scene.particle, scene.particle_contact),
-            (c.wall_law, scene.wall, scene.wall_contact),
-        ):
-            for name, value in contact_constants(scene.particle, wall, surface).items():
-                setattr(law, name, value)
-        return c
+            values |= {"radius": scene.enclosure.diameter / 2, "height": scene.enclosure.height}
+        values |= self._device_laws(scene, laws)
+        device = t.Case()
+        for name in t.Case.vars:
+            setattr(device, name, values[name])
+        return device
 
-    def _array(self, values, dtype):
-        return wp.array(np.ascontiguousarray(values), dtype=dtype, device=DEVICE)
+    def _device_laws(self, scene: Scene, laws: dict[str, list]) -> dict:
+        """The laws of a scene: two if all particles are of one material, places in the tables if not."""
+        every = range(len(scene.materials))
+        if not self.effects.materials:
+            only = scene.materials[0]
+            return {
+                "grain_law": self._law(only, only, scene.pair_surface(0, 0)),
+                "wall_law": self._law(only, scene.wall, scene.wall_surface(0)),
+            }
+        first = {"species": len(every), "first_law": len(laws["laws"]), "first_wall_law": len(laws["wall_laws"])}
+        for i in every:
+            for j in every:
+                surface = scene.pair_surface(i, j)
+                laws["laws"].append(self._law(scene.materials[i], scene.materials[j], surface))
+            laws["wall_laws"].append(self._law(scene.materials[i], scene.wall, scene.wall_surface(i)))
+        return first
 
-    def _device_particles(self):
-        t = self._types
-        states = [case.state for case in self.cases]
-        radius = np.concatenate([s.radius for s in states])
-        mass = np.concatenate([c.scene.mass(c.state.radius) for c in self.cases])
-        p = t.Particles()
-        p.position = self._array(np.concatenate([s.position for s in states]), t.vec3)
-        for name in ("velocity", "spin"):
-            values = np.concatenate([getattr(s, name) for s in states])
-            setattr(p, name, self._array(values, t.vec3))
-            setattr(p, f"half_{name}", self._array(values, t.vec3))
-        for name in ("force", "torque", "listed"):
-            setattr(p, name, wp.zeros(len(radius), dtype=t.vec3, device=DEVICE))
-        p.radius = self._array(radius, t.real)
-        p.inverse_mass = self._array(1 / mass, t.real)
-        p.inverse_inertia = self._array(2.5 / (mass * radius**2), t.real)
-        return p
+    def _law(self, one, other, surface):
+        law = self._types.Law()
+        constants = contact_constants(one, other, surface)
+        for name in self._types.Law.vars:
+            setattr(law, name, constants[name])
+        return law
 
-    def _device_contacts(self):
-        t = self._types
-        n = int(self._first[-1])
-        pairs = np.concatenate([c.state.pairs + first for c, first in zip(self.cases, self._first, strict=False)])
-        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-        start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=n))])
-        history = np.concatenate([c.state.pair_history for c in self.cases])
-        walls = np.concatenate([c.state.wall_history for c in self.cases])
-        c = t.Contacts()
-        c.start = self._array(start.astype(np.int32), wp.int32)
-        c.partner = self._array(pairs[order, 1].astype(np.int32), wp.int32)
-        c.pair_history = self._array(history[order], t.vec4)
-        c.wall_history = self._array(walls.reshape(-1, 4), t.vec4)
-        return c
-
-    def _find_neighbours(self):
+    def _find_neighbours(self, waiting) -> None:
+        """List the neighbours of every case that is ``waiting`` for it anew."""
         t, p, old = self._types, self._particles, self._contacts
-        n = int(self._first[-1])
+        n = len(self._transfer)
+        self._waiting.assign(np.broadcast_to(np.asarray(waiting, np.int32), len(self.cases)).copy())
         self._grid.build(p.position, self._cell, groups=self._group)
-        search = [self._grid.id, self._constants, self._group, self._largest_radius, p]
+        search = [self._grid.id, self._constants, self._group, self._waiting, self._largest_radius, p, old]
         wp.launch(self._count_pairs, n, [*search, self._counts], device=DEVICE)
         fresh = t.Contacts()
-        fresh.wall_history = old.wall_history
         fresh.start = wp.empty(n + 1, dtype=wp.int32, device=DEVICE)
         wp.utils.array_scan(self._counts, fresh.start, inclusive=False)
         total = int(fresh.start.numpy()[-1])
-        fresh.partner = wp.empty(total, dtype=wp.int32, device=DEVICE)
-        fresh.pair_history = wp.empty(total, dtype=t.vec4, device=DEVICE)
-        wp.launch(self._list_pairs, n, [*search, old, fresh, self._drifts], device=DEVICE)
+        for name, variable in t.Contacts.vars.items():
+            if name.startswith("wall_"):
+                setattr(fresh, name, getattr(old, name))
+            elif name != "start":
+                setattr(fresh, name, wp.empty(total, dtype=variable.type.dtype, device=DEVICE))
+        wp.launch(self._list_pairs, n, [*search, fresh, self._drifts], device=DEVICE)
         self._contacts = fresh
 
     def _check_overlaps(self):
-        self._find_neighbours()
-        start, partner = self._contacts.start.numpy(), self._contacts.partner.numpy()
-        for case, first, last in zip(self.cases, self._first[:-1], self._first[1:], strict=True):
-            owner = np.repeat(np.arange(last - first), np.diff(start[first : last + 1]))
-            pairs = np.stack([owner, partner[start[first] : start[last]] - first], axis=1)
-            guards.check_overlaps(case.scene, case.state, pairs)
+        self._find_neighbours(True)
+        for k, case in enumerate(self.cases):
+            guards.check_overlaps(case.scene, case.state, self._transfer.listed(k, self._contacts)[0])
 
     @property
     def steps(self) -> np.ndarray:
@@ -222,7 +213,7 @@ class Batch:
         done, target, status = self._steps.numpy(), self._target.numpy(), self._status.numpy()
         target[status != data.OK] = done[status != data.OK]
         while np.any(done < target):
-            self._find_neighbours()
+            self._find_neighbours(done < target)
             wp.launch(
                 self._advance,
                 len(self.cases),
@@ -238,7 +229,7 @@ class Batch:
         if reached >= self._max_rows:
             raise ValueError(f"case {k} ran {reached} cycles, and max_rows={self._max_rows} kept fewer")
         first = k * self._max_rows
-        return Ledger(self._rows.numpy()[first : first + reached + 1].copy())
+        return Ledger(self._rows.numpy()[first : first + reached + 1].copy(), self.effects.channels)
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """All that a run has, as arrays: ``restore`` it into a batch of the same cases and go on to the same bits."""
@@ -247,8 +238,9 @@ class Batch:
     def restore(self, checkpoint: dict[str, np.ndarray]) -> None:
         """Go back to a ``checkpoint``."""
         pairs = checkpoint["partner"].shape[0]
-        self._contacts.partner = wp.empty(pairs, dtype=wp.int32, device=DEVICE)
-        self._contacts.pair_history = wp.empty(pairs, dtype=self._types.vec4, device=DEVICE)
+        for name, variable in self._types.Contacts.vars.items():
+            if name == "partner" or name.startswith("pair_"):
+                setattr(self._contacts, name, wp.empty(pairs, dtype=variable.type.dtype, device=DEVICE))
         for name, array in self._changing().items():
             array.assign(checkpoint[name])
 
@@ -269,13 +261,12 @@ class Batch:
 
         Works on copies: reading never changes what comes after.
         """
-        self._find_neighbours()
+        self._find_neighbours(True)
         p, c, t = self._particles, self._contacts, self._types
         copy_p, copy_c = t.Particles(), t.Contacts()
-        for name in t.Particles.vars:
-            setattr(copy_p, name, wp.clone(getattr(p, name)))
-        for name in t.Contacts.vars:
-            setattr(copy_c, name, wp.clone(getattr(c, name)))
+        for copy, original, struct in ((copy_p, p, t.Particles), (copy_c, c, t.Contacts)):
+            for name in struct.vars:
+                setattr(copy, name, wp.clone(getattr(original, name)))
         tallies = wp.clone(self._tallies)
         wp.launch(
             self._synchronise,
@@ -283,25 +274,11 @@ class Batch:
             [self._constants, self._steps, copy_p, copy_c, tallies],
             device=DEVICE,
         )
-        return [self._read_case(k, copy_p, copy_c, tallies) for k in range(len(self.cases))]
-
-    def _read_case(self, k, p, c, tallies):
-        first, last = self._first[k], self._first[k + 1]
-        start, history = c.start.numpy(), c.pair_history.numpy().astype(float)
-        a, b = start[first], start[last]
-        owner = np.repeat(np.arange(last - first), np.diff(start[first : last + 1]))
-        pairs = np.stack([owner, c.partner.numpy()[a:b] - first], axis=1)
-        touching = history[a:b, 3] > 0
-        state = State(
-            position=p.position.numpy()[first:last].astype(float),
-            velocity=p.half_velocity.numpy()[first:last].astype(float),
-            spin=p.half_spin.numpy()[first:last].astype(float),
-            radius=p.radius.numpy()[first:last].astype(float),
-            pairs=pairs[touching],
-            pair_history=history[a:b][touching],
-            wall_history=c.wall_history.numpy()[3 * first : 3 * last].astype(float).reshape(-1, 3, 4),
-        )
-        return state, Ledger(tallies.numpy()[k : k + 1].astype(float).copy())
+        rows = tallies.numpy()
+        return [
+            (self._transfer.state(k, copy_p, copy_c), Ledger(rows[k : k + 1].copy(), self.effects.channels))
+            for k in range(len(self.cases))
+        ]
 
 
 class Simulation(Batch):
@@ -312,7 +289,8 @@ class Simulation(Batch):
     scene : Scene
     state : State
     dt : step [s]
-    precision : "float64" or "float32"
+    effects : Effects or None
+        What the kernels are compiled for.  None: what the scene calls for.
 
     Raises
     ------
@@ -328,10 +306,10 @@ class Simulation(Batch):
     >>> state, ledger = simulation.read()
     """
 
-    def __init__(self, scene: Scene, state: State, dt: float, *, precision: Precision = "float64"):
+    def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None):
         guards.check_values(state)
         check_step(scene, state, dt)
-        super().__init__([Case(scene, state, dt)], precision=precision)
+        super().__init__([Case(scene, state, dt)], effects=effects)
         self._start = super().read()[0][1].rows
 
     def advance(self, steps: int) -> None:
@@ -356,4 +334,4 @@ class Simulation(Batch):
     def read(self) -> tuple[State, Ledger]:
         """State now, and the ledger's rows at the start and now."""
         state, ledger = super().read()[0]
-        return state, Ledger(np.concatenate([self._start, ledger.rows]))
+        return state, Ledger(np.concatenate([self._start, ledger.rows]), self.effects.channels)

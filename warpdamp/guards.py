@@ -76,7 +76,13 @@ def _deepest_wall(scene: Scene, state: State) -> tuple[float, str]:
         "floor": state.radius - z,
         "lid": z + state.radius - cavity.height,
     }
-    deepest = {name: (float(np.max(d / state.radius)), int(np.argmax(d / state.radius))) for name, d in depths.items()}
+    deepest = {
+        name: (float(np.max(d / state.radius)), int(np.argmax(d / state.radius)))
+        for name, d in depths.items()
+        if getattr(cavity, name)
+    }
+    if not deepest:
+        return 0.0, ""
     name = max(deepest, key=lambda n: deepest[n])
     return deepest[name][0], f"particle {deepest[name][1]} and the {name}"
 

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .kernels.data import COLUMNS, LOSSES, STORES
+from .kernels.data import LOSSES, STORES, columns
 from .scene import Drive
 
-_AT = {name: k for k, name in enumerate(COLUMNS)}
 CHANNELS = tuple(f"{where}_{name}" for where in ("particle", "wall") for name in LOSSES)
 """Where energy is lost: between particles or at the walls, by each of ``LOSSES``."""
+
+TOTALS = ("particle_total", "wall_total")
+"""The same where the ledger keeps no channels."""
 
 
 @dataclass(frozen=True)
@@ -22,22 +24,31 @@ class Ledger:
     Parameters
     ----------
     rows : (moments, columns) array
-        See ``warpdamp.kernels.data.COLUMNS``.
+        See ``warpdamp.kernels.data.columns``.
+    channels : bool
+        Whether losses are by channel, or in total.
     """
 
     rows: np.ndarray
+    channels: bool = True
 
     def __getitem__(self, name: str) -> np.ndarray:
-        return self.rows[:, _AT[name]]
+        return self.rows[:, columns(self.channels).index(name)]
+
+    @property
+    def losses(self) -> tuple[str, ...]:
+        """Names of the columns of losses."""
+        return CHANNELS if self.channels else TOTALS
 
     def total(self, names) -> np.ndarray:
         """Sum of the named columns at every moment."""
-        return self.rows[:, [_AT[name] for name in names]].sum(axis=1)
+        every = columns(self.channels)
+        return self.rows[:, [every.index(name) for name in names]].sum(axis=1)
 
     @property
     def dissipated(self) -> np.ndarray:
         """All channels together, since step 0 [J]."""
-        return self.total(CHANNELS)
+        return self.total(self.losses)
 
     @property
     def stored(self) -> np.ndarray:
@@ -56,7 +67,7 @@ class Ledger:
 
     def between(self, first: int, last: int) -> Ledger:
         """The moments ``first`` .. ``last``, both included."""
-        return Ledger(self.rows[first : last + 1])
+        return Ledger(self.rows[first : last + 1], self.channels)
 
     def change(self, name: str) -> float:
         """Of one column from the first moment to the last."""

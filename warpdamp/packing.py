@@ -33,7 +33,7 @@ from .engine import Batch, Case
 from .guards import LARGEST_RESIDUAL, residual_share
 from .kernels.data import OK
 from .ledger import Ledger
-from .scene import STANDARD_GRAVITY, Cylinder, Drive, Scene, State
+from .scene import STANDARD_GRAVITY, Cylinder, Drive, Grains, Scene, State
 from .timestep import FEWEST_STEPS_PER_CONTACT, Numerics, contact_step, steps_per_cycle
 
 Preparation = Literal["loose", "compacted"]
@@ -81,7 +81,7 @@ class Request:
     ----------
     scene : Scene
         Its drive does not matter.
-    radius : tuple of floats [m]
+    grains : Grains
     seed : int
     preparation : "loose" or "compacted"
     settling_time : [s] or None
@@ -90,7 +90,7 @@ class Request:
     """
 
     scene: Scene
-    radius: tuple[float, ...]
+    grains: Grains
     seed: int
     preparation: Preparation = "compacted"
     settling_time: float | None = None
@@ -164,8 +164,8 @@ def _stored(path: Path) -> Packing | None:
 
 def _make(request: Request) -> Packing:
     scene = request.scene
-    position = separate(request.radius, scene.enclosure, request.seed)
-    state = State.at_rest(position, request.radius)
+    position = separate(request.grains.radius, scene.enclosure, request.seed)
+    state = State.at_rest(position, request.grains.radius, request.grains.species)
     if not any(scene.gravity):
         if request.preparation == "compacted":
             raise PackingError("a bed cannot be compacted without gravity: ask for preparation: loose", "preparation")
@@ -271,13 +271,14 @@ def _overlap_forces(x, r, half, height):
 
 def settle(scene: Scene, state: State, numerics: Numerics = _USUAL, *, time: float | None = None) -> State:
     """Let a bed come to rest (or fall for a fixed ``time`` [s]) under the scene's gravity, enclosure at rest."""
-    dt = contact_step(scene.driven(None), state.radius, steps_per_contact=numerics.steps_per_contact)
-    batch = Batch([Case(scene.driven(None), state, dt)], precision=numerics.precision)
+    still = scene.driven(None)
+    dt = contact_step(still, state, steps_per_contact=numerics.steps_per_contact)
+    batch = Batch([Case(still, state, dt)], effects=numerics.effects(still, state))
     if time is not None:
         _run(batch, math.ceil(time / dt))
         return batch.read()[0][0]
     gravity = float(np.linalg.norm(scene.gravity))
-    mass, up = scene.mass(state.radius), -np.array(scene.gravity) / gravity
+    mass, up = scene.masses(state), -np.array(scene.gravity) / gravity
     resting = RESTING_ENERGY * float(np.sum(mass * state.radius)) * gravity
     fall = math.sqrt(scene.enclosure.height / gravity)
     pause = math.ceil(fall / 2 / dt)
@@ -303,10 +304,9 @@ def compact(scene: Scene, state: State, numerics: Numerics) -> tuple[State, int]
     shaken = scene.driven(Drive(frequency, acceleration))
     heights = [_height(scene, state)]
     for block in range(1, MOST_BLOCKS + 1):
-        steps = steps_per_cycle(shaken, state.radius, steps_per_contact=numerics.steps_per_contact)
-        batch = Batch(
-            [Case(shaken, state, 1 / (frequency * steps), steps)], max_rows=BLOCK + 1, precision=numerics.precision
-        )
+        steps = steps_per_cycle(shaken, state, steps_per_contact=numerics.steps_per_contact)
+        case = Case(shaken, state, 1 / (frequency * steps))
+        batch = Batch([case], max_rows=BLOCK + 1, effects=numerics.effects(shaken, state))
         _run(batch, BLOCK * steps)
         state = settle(scene, batch.read()[0][0], numerics)
         heights.append(_height(scene, state))
@@ -324,7 +324,7 @@ def _fallen(heights) -> float:
 def _run(batch: Batch, steps: int) -> None:
     before = batch.read()[0][1]
     batch.advance(steps)
-    ledger = Ledger(np.concatenate([before.rows, batch.read()[0][1].rows]))
+    ledger = Ledger(np.concatenate([before.rows, batch.read()[0][1].rows]), before.channels)
     if batch.status[0] != OK or residual_share(ledger) > LARGEST_RESIDUAL:
         raise PackingError(
             "the bed gained energy from nowhere while it was prepared: raise numerics.steps_per_contact "
@@ -336,7 +336,7 @@ def _run(batch: Batch, steps: int) -> None:
 def _height(scene: Scene, state: State) -> float:
     """Of the centre of mass against gravity [m]."""
     up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
-    return float(np.average(state.position @ up, weights=scene.mass(state.radius)))
+    return float(np.average(state.position @ up, weights=scene.masses(state)))
 
 
 def measured_clearance(scene: Scene, state: State, numerics: Numerics) -> float:
@@ -348,5 +348,5 @@ def measured_clearance(scene: Scene, state: State, numerics: Numerics) -> float:
     for pull in (-STANDARD_GRAVITY, STANDARD_GRAVITY):
         upright = Scene(**{**vars(scene), "gravity": (0.0, 0.0, pull)})
         state = settle(upright, state, numerics)
-        heights.append(float(np.average(state.position[:, 2], weights=scene.mass(state.radius))))
+        heights.append(float(np.average(state.position[:, 2], weights=scene.masses(state))))
     return heights[1] - heights[0]

@@ -27,18 +27,29 @@ class Material:
 
 @dataclass(frozen=True)
 class Surface:
-    """How two bodies meet: coefficients of restitution and of sliding friction [-]."""
+    """How two bodies meet: coefficients of restitution, of sliding friction and of rolling friction [-].
+
+    The moment of rolling resistance is at most ``rolling_friction`` R* Fn.
+    """
 
     restitution: float
     friction: float
+    rolling_friction: float = 0.0
 
 
 @dataclass(frozen=True)
 class Cylinder:
-    """The cavity: inner diameter and height [m], its axis along z, the origin at the centre of the floor."""
+    """The cavity: inner diameter and height [m], its axis along z, the origin at the centre of the floor.
+
+    Each of its walls may be left out; those that are there reach as far as the particles do, so that the side of an
+    open cup (``lid=False``) rises without end.
+    """
 
     diameter: float
     height: float
+    side: bool = True
+    floor: bool = True
+    lid: bool = True
 
     @property
     def volume(self) -> float:
@@ -87,29 +98,76 @@ class Scene:
 
     Parameters
     ----------
-    particle, wall : Material
-    particle_contact, wall_contact : Surface
-        Particle against particle, particle against wall.
+    particle : Material, or one for each species of a mixture
+    wall : Material
+    particle_contact : Surface
+        Of particles with each other; in a mixture, rows of them: ``particle_contact[i][j]`` of species i and j.
+    wall_contact : Surface
+        Of particles with the walls; in a mixture, one for each species.
     enclosure : Cylinder or None
     gravity : vector [m/s^2]
     drive : Drive or None
     """
 
-    particle: Material
+    particle: Material | tuple[Material, ...]
     wall: Material
-    particle_contact: Surface
-    wall_contact: Surface
+    particle_contact: Surface | tuple[tuple[Surface, ...], ...]
+    wall_contact: Surface | tuple[Surface, ...]
     enclosure: Cylinder | None
     gravity: tuple[float, float, float] = (0.0, 0.0, -STANDARD_GRAVITY)
     drive: Drive | None = None
+
+    def __post_init__(self):
+        n = len(self.materials)
+        if not isinstance(self.particle_contact, Surface):
+            rows = self.particle_contact
+            if [len(row) for row in rows] != [n] * n or any(rows[i][j] != rows[j][i] for i in range(n) for j in range(i)):
+                raise ValueError(f"particle_contact must be {n} rows of {n} surfaces, the same for (i, j) and (j, i)")
+        if not isinstance(self.wall_contact, Surface) and len(self.wall_contact) != n:
+            raise ValueError(f"wall_contact must be one surface, or one for each of the {n} species")
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Of the particles, by species."""
+        return (self.particle,) if isinstance(self.particle, Material) else self.particle
+
+    def pair_surface(self, i: int, j: int) -> Surface:
+        """How particles of species i and j meet."""
+        return self.particle_contact if isinstance(self.particle_contact, Surface) else self.particle_contact[i][j]
+
+    def wall_surface(self, i: int) -> Surface:
+        """How particles of species i meet the walls."""
+        return self.wall_contact if isinstance(self.wall_contact, Surface) else self.wall_contact[i]
+
+    def surfaces(self) -> list[Surface]:
+        """All that may meet."""
+        species = range(len(self.materials))
+        pairs = [self.pair_surface(i, j) for i in species for j in species if i <= j]
+        return pairs + ([self.wall_surface(i) for i in species] if self.enclosure else [])
 
     def driven(self, drive: Drive | None) -> Scene:
         """The same scene under another drive."""
         return replace(self, drive=drive)
 
-    def mass(self, radius) -> np.ndarray:
-        """Of spheres of the given radii [kg]."""
-        return self.particle.density * 4 / 3 * math.pi * np.asarray(radius) ** 3
+    def mass(self, radius, species=0) -> np.ndarray:
+        """Of spheres of the given radii and species [kg]."""
+        density = np.array([material.density for material in self.materials])[np.asarray(species)]
+        return density * 4 / 3 * math.pi * np.asarray(radius) ** 3
+
+    def masses(self, grains) -> np.ndarray:
+        """Of particles with ``radius`` and ``species``, as a State [kg]."""
+        return self.mass(grains.radius, grains.species)
+
+
+@dataclass(frozen=True)
+class Grains:
+    """What the particles are: radius [m] and species (position among the scene's materials) of each."""
+
+    radius: tuple[float, ...]
+    species: tuple[int, ...]
+
+    def __len__(self) -> int:
+        return len(self.radius)
 
 
 @dataclass
@@ -127,6 +185,10 @@ class State:
         Stretch of their tangential springs (3) and contact radius; see ``warpdamp.kernels.contact``.
     wall_history : (n, 3, 4) array [m]
         The same for side, floor and lid.
+    species : (n,) array of ints
+        Position of each particle's material among the scene's; 0 for all unless given.
+    pair_roll, wall_roll : (m, 3), (n, 3, 3) arrays [m]
+        Stretch of the springs of rolling resistance.
     """
 
     position: np.ndarray
@@ -136,19 +198,30 @@ class State:
     pairs: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int32))
     pair_history: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
     wall_history: np.ndarray = field(default_factory=lambda: np.zeros((0, 3, 4)))
+    species: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
+    pair_roll: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    wall_roll: np.ndarray = field(default_factory=lambda: np.zeros((0, 3, 3)))
 
     def __post_init__(self):
+        n = len(self.position)
         if not len(self.wall_history):
-            self.wall_history = np.zeros((len(self.position), 3, 4))
+            self.wall_history = np.zeros((n, 3, 4))
+        if not len(self.wall_roll):
+            self.wall_roll = np.zeros((n, 3, 3))
+        if not len(self.pair_roll):
+            self.pair_roll = np.zeros((len(self.pairs), 3))
+        if not len(self.species):
+            self.species = np.zeros(n, np.int32)
         if len(self.pairs) and np.any(self.pairs[:, 0] >= self.pairs[:, 1]):
             raise ValueError("pairs are (i, j) with i < j")
 
     @classmethod
-    def at_rest(cls, position, radius) -> State:
-        """Particles at rest at ``position`` (n, 3) with one radius or one each."""
+    def at_rest(cls, position, radius, species=0) -> State:
+        """Particles at rest at ``position`` (n, 3) with one radius and species, or one each."""
         position = np.array(position, float).reshape(-1, 3)
         radius = np.broadcast_to(np.asarray(radius, float), len(position)).copy()
-        return cls(position, np.zeros_like(position), np.zeros_like(position), radius)
+        species = np.broadcast_to(np.asarray(species, np.int32), len(position)).copy()
+        return cls(position, np.zeros_like(position), np.zeros_like(position), radius, species=species)
 
     def __len__(self) -> int:
         return len(self.position)

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .effects import Effects
 from .engine import Batch, Case
 from .guards import DEEPEST, LARGEST_RESIDUAL
 from .kernels.data import ESCAPED, NOT_FINITE, OK
-from .ledger import CHANNELS, Ledger, apparent_mass, harmonic_work, maximum_energy
+from .ledger import Ledger, apparent_mass, harmonic_work, maximum_energy
 from .packing import Request, prepare
 from .scene import Drive, Scene, State
 from .steady import Status, Steady, steady
-from .timestep import Precision
 
 FIRST_LOOKS, LOOKS = 10, 1.25
 """A series is looked at every ten cycles at first, and later whenever it has grown by a quarter."""
@@ -71,9 +71,14 @@ class Spec:
         """Step [s]."""
         return 1 / (self.scene.drive.frequency * self.steps_per_cycle)
 
+    @property
+    def effects(self) -> Effects:
+        """What its kernels are compiled for."""
+        return self.bed.numerics.effects(self.scene, self.bed.grains)
+
     def cost(self, criteria: Criteria) -> float:
         """Particle-steps that it takes at the least."""
-        return self.steps_per_cycle * len(self.bed.radius) * criteria.fewest
+        return self.steps_per_cycle * len(self.bed.grains) * criteria.fewest
 
 
 def shake(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int, ...], dict]]:
@@ -96,11 +101,11 @@ def shake(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int,
 
 
 def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
-    cases = [Case(spec.scene, state, spec.dt, spec.steps_per_cycle) for spec, state in zip(stage, states, strict=True)]
-    batch = Batch(cases, max_rows=criteria.most + 1, precision=stage[0].bed.numerics.precision)
+    cases = [Case(spec.scene, state, spec.dt) for spec, state in zip(stage, states, strict=True)]
+    batch = Batch(cases, max_rows=criteria.most + 1, effects=stage[0].effects)
     per_cycle = np.array([spec.steps_per_cycle for spec in stage])
     cycles = np.full(len(stage), criteria.most if criteria.fixed else criteria.fewest)
-    work = per_cycle * np.array([len(spec.bed.radius) for spec in stage])
+    work = per_cycle * np.array([len(spec.bed.grains) for spec in stage])
     cpu = np.zeros(len(stage))
     averages: list = [None] * len(stage)
     while True:
@@ -131,7 +136,7 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
         return {"status": int(_FAILURES[batch.status[k]]), "cycles": cycles, "steps": int(batch.steps[k])}
     ledger = batch.cycles(k)
     drive = spec.scene.drive
-    mass = float(np.sum(spec.scene.mass(spec.bed.radius)))
+    mass = float(np.sum(spec.scene.masses(spec.bed.grains)))
     smallest = SMALLEST_EFFECTIVENESS * maximum_energy(drive, mass)
     series = ledger.per_cycle()
     if criteria.fixed:
@@ -194,7 +199,7 @@ def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
     reaction = window.reaction(drive)
     dissipated = float(np.mean(window.per_cycle()))
     return {
-        **{f"{name}_loss": window.change(name) / cycles for name in CHANNELS},
+        **{f"{name}_loss": window.change(name) / cycles for name in window.losses},
         "work_input": window.change("work_input") / cycles,
         "harmonic_work": harmonic_work(reaction, drive),
         "apparent_mass": apparent_mass(reaction, drive),
@@ -210,10 +215,10 @@ def paper_criteria(frequency: float) -> Criteria:
     return Criteria(fewest=cycles, most=cycles, fixed=True)
 
 
-def warm_up(scene: Scene, precision: Precision) -> None:
-    """Compile the kernels that a scene takes into the cache on disk, before workers start."""
+def warm_up(scene: Scene, effects: Effects) -> None:
+    """Compile the kernels of a set of effects into the cache on disk, before workers start."""
     middle = [0, 0, scene.enclosure.height / 2]
     ball = State.at_rest(middle, scene.enclosure.height / 100)
-    batch = Batch([Case(scene.driven(None), ball, 1e-6)], precision=precision)
+    batch = Batch([Case(scene.driven(None), ball, 1e-6)], effects=effects)
     batch.advance(1)
     batch.read()

@@ -18,7 +18,7 @@ import numpy as np
 from .config import Config, load
 from .dataset import assemble
 from .scene import STANDARD_GRAVITY
-from .sweep import Point, as_list, drive, material, particle_mass, points, radii, scene
+from .sweep import Point, as_list, drive, grains, material, particle_mass, points, scene
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -136,10 +136,10 @@ def run(
         specs |= _specs(config, point)
     first = next(iter(specs.values()))
     for seed in config.seeds:  # a bed that cannot be made is refused before anything long starts
-        _placed(config, partial(separate, first.bed.radius, first.scene.enclosure, seed))
+        _placed(config, partial(separate, first.bed.grains.radius, first.scene.enclosure, seed))
 
     report("kernels", 0.0)
-    warm_up(first.scene, config.numerics.precision)
+    warm_up(first.scene, first.effects)
     report("kernels", 1.0)
     with _processes(workers) as executor:
         values = _run_cases(config, specs, executor, report)
@@ -187,18 +187,18 @@ def _specs(config: Config, point: Point) -> dict[tuple[int, ...], Spec]:
     from .shaking import PAPER_SETTLING, Spec
     from .timestep import Numerics
 
-    still, radius = scene(point.config), radii(point.config)
+    still, own = scene(point.config), grains(point.config)
     numerics = Numerics(config.numerics.precision, config.numerics.steps_per_contact)
     paper = config.steady_state.recipe == "paper"
     specs = {}
     for i, frequency in enumerate(point.frequencies):
         for j, gamma in enumerate(as_list(config.excitation.gamma)):
             driven = still.driven(drive(frequency, gamma))
-            steps = _steps(config, driven, radius)
+            steps = _steps(config, driven, own)
             for k, seed in enumerate(config.seeds):
                 bed = Request(
                     scene=still,
-                    radius=radius,
+                    grains=own,
                     seed=seed,
                     preparation="loose" if config.preparation == "carried" else config.preparation,
                     settling_time=PAPER_SETTLING if paper else None,
@@ -209,7 +209,7 @@ def _specs(config: Config, point: Point) -> dict[tuple[int, ...], Spec]:
     return specs
 
 
-def _steps(config: Config, driven, radius) -> int:
+def _steps(config: Config, driven, own) -> int:
     """Steps per cycle, chosen or forced.
 
     Raises
@@ -228,10 +228,10 @@ def _steps(config: Config, driven, radius) -> int:
 
     numerics = config.numerics
     if numerics.step == "auto":
-        return steps_per_cycle(driven, radius, steps_per_contact=numerics.steps_per_contact)
-    longest = contact_step(driven, radius, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
+        return steps_per_cycle(driven, own, steps_per_contact=numerics.steps_per_contact)
+    longest = contact_step(driven, own, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
     if numerics.step > longest:
-        shortest = shortest_contact(driven, radius, expected_speed(driven, radius))
+        shortest = shortest_contact(driven, own, expected_speed(driven, own.radius))
         raise config.error(
             "numerics.step",
             f"{numerics.step:.3g} s is too large for the shortest contact expected, {shortest:.3g} s at "

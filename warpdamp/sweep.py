@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .config import Config
-from .scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
+from .scene import STANDARD_GRAVITY, Cylinder, Drive, Grains, Material, Scene, Surface
 
 if TYPE_CHECKING:
     from .modal.modes import Modes
@@ -100,9 +100,9 @@ def points(config: Config):
         yield index, Config.model_validate(values)
 
 
-def radii(config: Config) -> tuple[float, ...]:
-    """Radius of every particle [m]."""
-    return (config.damper.particles.radius,) * config.damper.particles.count
+def grains(config: Config) -> Grains:
+    """Radius and species of every particle."""
+    return Grains((config.damper.particles.radius,) * config.damper.particles.count, (0,) * config.damper.particles.count)
 
 
 def material(config: Config, name: str) -> Material:
@@ -132,4 +132,4 @@ def drive(frequency: float, gamma: float) -> Drive:
 
 def particle_mass(config: Config) -> float:
     """Of all particles of a configuration without lists [kg]."""
-    return float(np.sum(scene(config).mass(radii(config))))
+    return float(np.sum(scene(config).masses(grains(config))))

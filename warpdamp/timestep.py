@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
+from .effects import Effects, Precision, called_for
 from .law import contact_constants, dashpot
 from .scene import Scene, State
-
-Precision = Literal["float64", "float32"]
 
 STEPS_PER_CONTACT = 24
 """A bed's ledger then closes to half a percent (docs/acceptance.md)."""
@@ -32,10 +30,22 @@ HERTZ_DURATION = 2.943275
 
 @dataclass(frozen=True)
 class Numerics:
-    """How finely a scene is simulated: precision of the motion, steps to the shortest contact expected."""
+    """How a scene is simulated.
+
+    Parameters
+    ----------
+    precision : of the motion
+    steps_per_contact : steps to the shortest contact expected
+    forced : effects forced on or off, as sorted pairs (name, whether)
+    """
 
     precision: Precision = "float64"
     steps_per_contact: float = STEPS_PER_CONTACT
+    forced: tuple[tuple[str, bool], ...] = ()
+
+    def effects(self, scene: Scene, grains) -> Effects:
+        """What the scene calls for, and what is forced."""
+        return called_for(scene, grains, precision=self.precision).forced(dict(self.forced))
 
 
 def contact_time(modulus: float, radius: float, mass: float, speed: float) -> float:
@@ -58,22 +68,35 @@ def expected_speed(scene: Scene, radius) -> float:
     return driven + math.sqrt(2 * float(np.linalg.norm(scene.gravity)) * free_height)
 
 
-def shortest_contact(scene: Scene, radius, speed: float) -> float:
-    """Shortest contact time [s] at a relative ``speed``: two of the smallest spheres, or one and the wall."""
-    smallest = float(np.min(radius))
-    mass = float(scene.mass(smallest))
-    pair = contact_constants(scene.particle, scene.particle, scene.particle_contact)["modulus"]
-    wall = contact_constants(scene.particle, scene.wall, scene.wall_contact)["modulus"]
-    return min(contact_time(pair, smallest / 2, mass / 2, speed), contact_time(wall, smallest, mass, speed))
+def shortest_contact(scene: Scene, grains, speed: float) -> float:
+    """Shortest contact time [s] at a relative ``speed``, of any two particles, or of one and the wall.
+
+    Parameters
+    ----------
+    grains : anything with ``radius`` and ``species``, as a State
+    """
+    radius, species = np.asarray(grains.radius), np.asarray(grains.species)
+    times = []
+    smallest = {k: float(np.min(radius[species == k])) for k in set(species.tolist())}
+    for i, a in smallest.items():
+        one, mass = scene.materials[i], float(scene.mass(a, i))
+        for j, b in smallest.items():
+            modulus = contact_constants(one, scene.materials[j], scene.pair_surface(i, j))["modulus"]
+            other = float(scene.mass(b, j))
+            times.append(contact_time(modulus, a * b / (a + b), mass * other / (mass + other), speed))
+        if scene.enclosure:
+            modulus = contact_constants(one, scene.wall, scene.wall_surface(i))["modulus"]
+            times.append(contact_time(modulus, a, mass, speed))
+    return min(times)
 
 
-def longest_step(scene: Scene, radius, speed: float, *, steps_per_contact: float) -> float:
+def longest_step(scene: Scene, grains, speed: float, *, steps_per_contact: float) -> float:
     """Largest step [s] that resolves the shortest contact at ``speed``, and the dashpots."""
-    strength = max(dashpot(scene.particle_contact.restitution), dashpot(scene.wall_contact.restitution))
-    return shortest_contact(scene, radius, speed) / max(steps_per_contact, STEPS_PER_DASHPOT * strength)
+    strength = max(dashpot(surface.restitution) for surface in scene.surfaces())
+    return shortest_contact(scene, grains, speed) / max(steps_per_contact, STEPS_PER_DASHPOT * strength)
 
 
-def contact_step(scene: Scene, radius, *, steps_per_contact: float = STEPS_PER_CONTACT) -> float:
+def contact_step(scene: Scene, grains, *, steps_per_contact: float = STEPS_PER_CONTACT) -> float:
     """Largest step [s] for the fastest impact expected.
 
     Raises
@@ -81,15 +104,15 @@ def contact_step(scene: Scene, radius, *, steps_per_contact: float = STEPS_PER_C
     ValueError
         If nothing moves and nothing makes it move: then no step can be told.
     """
-    speed = expected_speed(scene, radius)
+    speed = expected_speed(scene, grains.radius)
     if speed == 0:
         raise ValueError("without gravity and without a drive nothing moves: give the scene one of them, or a step")
-    return longest_step(scene, radius, speed, steps_per_contact=steps_per_contact)
+    return longest_step(scene, grains, speed, steps_per_contact=steps_per_contact)
 
 
-def steps_per_cycle(scene: Scene, radius, *, steps_per_contact: float = STEPS_PER_CONTACT) -> int:
+def steps_per_cycle(scene: Scene, grains, *, steps_per_contact: float = STEPS_PER_CONTACT) -> int:
     """Smallest whole number of steps a cycle that are no longer than ``contact_step``, at least fifty."""
-    dt = contact_step(scene, radius, steps_per_contact=steps_per_contact)
+    dt = contact_step(scene, grains, steps_per_contact=steps_per_contact)
     return max(FEWEST_STEPS_PER_CYCLE, math.ceil(1 / (scene.drive.frequency * dt)))
 
 
@@ -109,9 +132,9 @@ def check_step(scene: Scene, state: State, dt: float) -> None:
     speed = max(moving, expected_speed(scene, state.radius))
     if speed == 0:
         return  # nothing moves, and nothing makes it move
-    longest = longest_step(scene, state.radius, speed, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
+    longest = longest_step(scene, state, speed, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
     if dt > longest:
-        shortest = shortest_contact(scene, state.radius, speed)
+        shortest = shortest_contact(scene, state, speed)
         raise ValueError(
             f"a step of {dt:.3g} s does not resolve the shortest contact expected, {shortest:.3g} s at "
             f"{speed:.3g} m/s: take at most {longest:.2g} s"

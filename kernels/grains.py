@@ -1,0 +1,91 @@
+"""What single particles and pairs of them are made of: constants of the case where all are alike, arrays where not."""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from .data import types
+
+
+@functools.cache
+def grains(effects):
+    """Return the properties of particles, pairs and walls for the given effects."""
+    t = types(effects)
+    real = t.real
+    Case, Particles = t.Case, t.Particles
+
+    @wp.func
+    def radius_of(case: Case, p: Particles, i: int):
+        """[m]."""
+        if wp.static(effects.sizes):
+            return p.radius[i]
+        else:
+            return case.grain_radius
+
+    @wp.func
+    def inverse_mass_of(case: Case, p: Particles, i: int):
+        """[1/kg]."""
+        if wp.static(effects.alike):
+            return case.inverse_mass
+        else:
+            return p.inverse_mass[i]
+
+    @wp.func
+    def inverse_inertia_of(case: Case, p: Particles, i: int):
+        """[1/(kg m^2)]."""
+        if wp.static(effects.alike):
+            return case.inverse_inertia
+        else:
+            return p.inverse_inertia[i]
+
+    @wp.func
+    def reduced_radius(case: Case, p: Particles, i: int, j: int):
+        """R* of a pair [m]."""
+        if wp.static(effects.sizes):
+            return p.radius[i] * p.radius[j] / (p.radius[i] + p.radius[j])
+        else:
+            return real(0.5) * case.grain_radius
+
+    @wp.func
+    def reduced_mass(case: Case, p: Particles, i: int, j: int):
+        """m* of a pair [kg]."""
+        if wp.static(effects.alike):
+            return real(0.5) / case.inverse_mass
+        else:
+            return real(1.0) / (p.inverse_mass[i] + p.inverse_mass[j])
+
+    @wp.func
+    def lever_arm(case: Case, p: Particles, i: int, j: int, distance: real):
+        """Distance of i's centre from the contact: the centres' distance shared in the ratio of the radii [m]."""
+        if wp.static(effects.sizes):
+            return p.radius[i] * distance / (p.radius[i] + p.radius[j])
+        else:
+            return real(0.5) * distance
+
+    @wp.func
+    def pair_law(case: Case, p: Particles, i: int, j: int):
+        """Law of a pair."""
+        if wp.static(effects.materials):
+            return p.laws[case.first_law + case.species * p.species[i] + p.species[j]]
+        else:
+            return case.grain_law
+
+    @wp.func
+    def wall_law(case: Case, p: Particles, i: int):
+        """Law of a particle and the walls."""
+        if wp.static(effects.materials):
+            return p.wall_laws[case.first_wall_law + p.species[i]]
+        else:
+            return case.wall_law
+
+    return SimpleNamespace(
+        radius_of=radius_of,
+        inverse_mass_of=inverse_mass_of,
+        inverse_inertia_of=inverse_inertia_of,
+        reduced_radius=reduced_radius,
+        reduced_mass=reduced_mass,
+        lever_arm=lever_arm,
+        pair_law=pair_law,
+        wall_law=wall_law,
+    )
