@@ -5,7 +5,7 @@ import functools
 import warp as wp
 
 from .cylinder import wall_contacts
-from .data import ESCAPED, NOT_FINITE, types
+from .data import ESCAPED, NOT_FINITE, UNIQUE, types
 from .ledger import ledger
 from .motion import motion
 from .pairs import pair_contacts
@@ -18,14 +18,14 @@ def stepper(effects):
     """Return the kernels ``advance`` and ``synchronise`` for the given effects."""
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
-    Case, Particles, Contacts = t.Case, t.Particles, t.Contacts
+    Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     pair_forces, _ = pair_contacts(effects)
     wall_forces, _, contained = wall_contacts(effects)
     enclosure_phase, integrate, kick = motion(effects)
     tally, stored, WORK = ledger(effects).tally, ledger(effects).stored, ledger(effects).WORK
 
     @wp.func
-    def forces(case: Case, p: Particles, c: Contacts, step: wp.int64, h: real, since: real, row: Row):
+    def forces(case: Case, p: wp.array(dtype=Particle), c: Contacts, step: wp.int64, h: real, since: real, row: Row):
         """All contact forces of a step, tallied; returns minus the enclosure's acceleration [m/s^2] and the row."""
         pair_losses, largest = pair_forces(case, p, c, h, since)
         reaction = vec3()
@@ -37,11 +37,11 @@ def stepper(effects):
         row = tally(case, row, pair_losses, wall_losses, largest, reaction, cosine, sine, h)
         return case.acceleration * real(sine) * case.direction, row
 
-    @wp.kernel(enable_backward=False, module="unique")
+    @wp.kernel(**UNIQUE)
     def advance(
         cases: wp.array(dtype=Case),
         target: wp.array(dtype=wp.int64),
-        p: Particles,
+        p: wp.array(dtype=Particle),
         c: Contacts,
         # in and out:
         steps: wp.array(dtype=wp.int64),
@@ -88,12 +88,12 @@ def stepper(effects):
         drifts[n] = drift
         tallies[n] = row
 
-    @wp.kernel(enable_backward=False, module="unique")
+    @wp.kernel(**UNIQUE)
     def synchronise(
         cases: wp.array(dtype=Case),
         steps: wp.array(dtype=wp.int64),
         # in and out: copies, for the run goes on from its half step
-        p: Particles,
+        p: wp.array(dtype=Particle),
         c: Contacts,
         tallies: wp.array(dtype=Row),
     ):

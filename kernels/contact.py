@@ -46,7 +46,13 @@ def contact_law(effects):
     Law, Motion, History = t.Law, t.Motion, t.History
 
     @wp.func
-    def spring(shear: real, a: real, old_a: real, old: vec3, moved: vec3, normal: vec3, turned: real, limit: real):
+    def carried_along(stretch: vec3, normal: vec3, tilted: vec3, turned: real):
+        """The stretch turned with the contact plane and about its normal; its length changes at third order only."""
+        flat = stretch - wp.dot(stretch, normal) * (normal - real(0.5) * tilted)
+        return (real(1.0) - real(0.5) * turned * turned) * flat + turned * wp.cross(normal, flat)
+
+    @wp.func
+    def spring(shear: real, a: real, old_a: real, old: vec3, moved: vec3, normal: vec3, motion: Motion, limit: real):
         """A spring of stiffness ``shear`` a in the contact plane, its force at most ``limit``.
 
         Returns the new stretch, the energy slid off and the energy given up.
@@ -54,18 +60,11 @@ def contact_law(effects):
         # without the limit: the force is kept on loading, the stretch on unloading
         kept = wp.min(old_a / a, real(1.0))
         gain = real(0.5) * (real(1.0) + kept)
-        trial = kept * old - gain * moved
-        new2 = wp.dot(trial, trial)
-
-        # carried along with the contact plane, its length kept
-        out = wp.dot(trial, normal)
-        stretch = trial - out * normal
-        stretch += turned * wp.cross(normal, stretch)
-        if new2 > real(0.0):
-            stretch *= real(1.0) + real(0.5) * (out * out / new2 - turned * turned)
+        stretch = carried_along(kept * old - gain * moved, normal, motion.tilted, motion.turned)
 
         stiffness = shear * a
         old_stiffness = shear * old_a
+        new2 = wp.dot(stretch, stretch)
         slip = real(0.0)
         if stiffness * stiffness * new2 > limit * limit:
             share = limit / (stiffness * wp.sqrt(new2))
@@ -76,11 +75,9 @@ def contact_law(effects):
 
         old2 = wp.dot(old, old)
         softened = old_stiffness - stiffness
-        given_up = real(0.25) * softened * (old2 + new2)
-        if softened < real(0.0):
-            hardened = -softened / (stiffness + old_stiffness)
-            given_up = real(0.5) * hardened * (stiffness * new2 + old_stiffness * old2)
-        return stretch, slip, given_up
+        unloading = real(0.25) * softened * (old2 + new2)
+        loading = real(-0.5) * softened / (stiffness + old_stiffness) * (stiffness * new2 + old_stiffness * old2)
+        return stretch, slip, wp.where(softened > real(0.0), unloading, loading)
 
     @wp.func
     def damped(spring_force: vec3, viscous: vec3, limit: real):
@@ -108,7 +105,7 @@ def contact_law(effects):
         moved: vec3,
         rate: vec3,
         normal: vec3,
-        turned: real,
+        motion: Motion,
         limit: real,
         h: real,
     ):
@@ -117,7 +114,7 @@ def contact_law(effects):
         Returns the force, the stretch, and the energy lost to (dashpot, slip, history).
         """
         shear = real(8.0) * law.shear_modulus
-        stretch, slip, given_up = spring(shear, a, old_a, old, moved, normal, turned, limit)
+        stretch, slip, given_up = spring(shear, a, old_a, old, moved, normal, motion, limit)
         force = shear * a * stretch
         lost = vec3(real(0.0), slip, given_up)
         if wp.static(effects.dashpots):
@@ -198,7 +195,7 @@ def contact_law(effects):
             rate = motion.velocity + approach * normal
             limit = law.friction * normal_force
             friction, stretch, tangential_lost = resistance(
-                law, a, root, old.radius, old.stretch, motion.slid, rate, normal, motion.turned, limit, h
+                law, a, root, old.radius, old.stretch, motion.slid, rate, normal, motion, limit, h
             )
             force += friction
             history.stretch = stretch
@@ -206,7 +203,7 @@ def contact_law(effects):
         if wp.static(effects.rolling):
             limit = law.rolling_friction * normal_force
             rolling_force, roll, rolling_lost = resistance(
-                law, a, root, old.radius, old.roll, motion.rolled, motion.rolling, normal, motion.turned, limit, h
+                law, a, root, old.radius, old.roll, motion.rolled, motion.rolling, normal, motion, limit, h
             )
             history.roll = roll
         return force, rolling_force, history, losses(lost, tangential_lost, rolling_lost)

@@ -22,7 +22,7 @@ def wall_contacts(effects):
     t = types(effects)
     real, vec3 = t.real, t.vec3
     Losses, Motion, History = t.Losses, t.Motion, t.History
-    Case, Particles, Contacts = t.Case, t.Particles, t.Contacts
+    Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     contact, parted, elastic_energy, remembered_energy = contact_law(effects)
     g = grains(effects)
     radius_of, inverse_mass_of, law_of = g.radius_of, g.inverse_mass_of, g.wall_law
@@ -38,24 +38,28 @@ def wall_contacts(effects):
         return reach - rho, vec3(-x[0] / rho, -x[1] / rho, real(0.0))
 
     @wp.func
-    def wall_motion(p: Particles, i: int, radius: real, normal: vec3, arm: real, since: real):
+    def wall_motion(
+        case: Case, p: wp.array(dtype=Particle), i: int, wall: int, radius: real, normal: vec3, arm: real, since: real
+    ):
         """How i's surface moves past the wall; what the effects do not ask for stays zero."""
         motion = Motion()
         if wp.static(effects.dashpots):
-            motion.velocity = p.velocity[i]
+            motion.velocity = p[i].velocity
             if wp.static(effects.rotation):
-                motion.velocity -= arm * wp.cross(p.spin[i], normal)
+                motion.velocity -= arm * wp.cross(p[i].spin, normal)
         if wp.static(effects.friction):
-            passing = p.half_velocity[i]
+            passing = p[i].half_velocity
             passing -= wp.dot(passing, normal) * normal
+            if wall == SIDE:  # its normal turns as the particle goes round
+                motion.tilted = -since / (case.radius - arm) * vec3(passing[0], passing[1], real(0.0))
             if wp.static(effects.rotation):
-                passing -= arm * wp.cross(p.half_spin[i], normal)
-                motion.turned = real(0.5) * since * wp.dot(p.half_spin[i], normal)
+                passing -= arm * wp.cross(p[i].half_spin, normal)
+                motion.turned = real(0.5) * since * wp.dot(p[i].half_spin, normal)
             motion.slid = since * passing
         if wp.static(effects.rolling):
-            motion.rolled = since * radius * wp.cross(p.half_spin[i], normal)
+            motion.rolled = since * radius * wp.cross(p[i].half_spin, normal)
             if wp.static(effects.dashpots):
-                motion.rolling = radius * wp.cross(p.spin[i], normal)
+                motion.rolling = radius * wp.cross(p[i].spin, normal)
         return motion
 
     @wp.func
@@ -82,7 +86,7 @@ def wall_contacts(effects):
 
     @wp.func
     def wall_force(
-        case: Case, p: Particles, c: Contacts, i: int, wall: int, gap: real, normal: vec3, h: real, since: real
+        case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, gap: real, normal: vec3, h: real, since: real
     ):
         """Add what one wall does to one particle; return the force [N], the losses [J] and the overlap over R."""
         f = vec3()
@@ -92,28 +96,28 @@ def wall_contacts(effects):
             radius = radius_of(case, p, i)
             arm = radius + gap
             f, rolling, history, lost = contact(
-                law_of(case, p, i),
+                law_of(case, p, c, i),
                 radius,
                 real(1.0) / inverse_mass_of(case, p, i),
                 -gap,
                 normal,
-                wall_motion(p, i, radius, normal, arm, since),
+                wall_motion(case, p, i, wall, radius, normal, arm, since),
                 wall_history(c, 3 * i + wall),
                 h,
             )
-            p.force[i] += f
+            p[i].force += f
             if wp.static(effects.rotation):
-                p.torque[i] += arm * wp.cross(f, normal) + radius * wp.cross(normal, rolling)
+                p[i].torque += arm * wp.cross(f, normal) + radius * wp.cross(normal, rolling)
             remember(c, 3 * i + wall, history)
             depth = -gap / radius
         elif wp.static(effects.history):
             if c.wall_radius[3 * i + wall] > real(0.0):
-                lost = parted(law_of(case, p, i), wall_history(c, 3 * i + wall))
+                lost = parted(law_of(case, p, c, i), wall_history(c, 3 * i + wall))
                 remember(c, 3 * i + wall, History())
         return f, lost, depth
 
     @wp.func
-    def wall_forces(case: Case, p: Particles, c: Contacts, h: real, since: real):
+    def wall_forces(case: Case, p: wp.array(dtype=Particle), c: Contacts, h: real, since: real):
         """Add all wall forces and torques of a case.
 
         The step stands for ``h`` seconds, and comes ``since`` seconds after the last one.  Returns the force on the
@@ -123,7 +127,7 @@ def wall_contacts(effects):
         losses = Losses()
         largest = real(0.0)
         for i in range(case.first, case.first + case.count):
-            x = p.position[i]
+            x = p[i].position
             radius = radius_of(case, p, i)
             if wp.static(effects.side):
                 gap, normal = side_gap(case, x, radius)
@@ -146,23 +150,23 @@ def wall_contacts(effects):
         return reaction, losses, largest
 
     @wp.func
-    def one_wall_energy(case: Case, p: Particles, c: Contacts, i: int, wall: int, gap: real):
+    def one_wall_energy(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, gap: real):
         """Elastic energy (normal, tangential, rolling) [J] of one particle and one wall."""
         stored = wp.vec3d()
         if gap < real(0.0):
-            stored[0] = wp.float64(elastic_energy(law_of(case, p, i), radius_of(case, p, i), -gap))
+            stored[0] = wp.float64(elastic_energy(law_of(case, p, c, i), radius_of(case, p, i), -gap))
         if wp.static(effects.history):
-            tangential, rolling = remembered_energy(law_of(case, p, i), wall_history(c, 3 * i + wall))
+            tangential, rolling = remembered_energy(law_of(case, p, c, i), wall_history(c, 3 * i + wall))
             stored[1] = wp.float64(tangential)
             stored[2] = wp.float64(rolling)
         return stored
 
     @wp.func
-    def wall_energy(case: Case, p: Particles, c: Contacts, offset: real):
+    def wall_energy(case: Case, p: wp.array(dtype=Particle), c: Contacts, offset: real):
         """Elastic energy (normal, tangential, rolling) [J] of the walls, positions taken ``offset`` seconds back."""
         stored = wp.vec3d()
         for i in range(case.first, case.first + case.count):
-            x = p.position[i] - offset * p.half_velocity[i]
+            x = p[i].position - offset * p[i].half_velocity
             radius = radius_of(case, p, i)
             if wp.static(effects.side):
                 gap, _normal = side_gap(case, x, radius)
@@ -174,11 +178,11 @@ def wall_contacts(effects):
         return stored
 
     @wp.func
-    def contained(case: Case, p: Particles):
+    def contained(case: Case, p: wp.array(dtype=Particle)):
         """Whether every centre is on the inner side of every wall."""
         inside = wp.bool(True)
         for i in range(case.first, case.first + case.count):
-            x = p.position[i]
+            x = p[i].position
             if wp.static(effects.side):
                 inside = inside and x[0] * x[0] + x[1] * x[1] <= case.radius * case.radius
             if wp.static(effects.floor):

@@ -13,69 +13,69 @@ def grains(effects):
     """Return the properties of particles, pairs and walls for the given effects."""
     t = types(effects)
     real = t.real
-    Case, Particles = t.Case, t.Particles
+    Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
 
     @wp.func
-    def radius_of(case: Case, p: Particles, i: int):
+    def radius_of(case: Case, p: wp.array(dtype=Particle), i: int):
         """[m]."""
         if wp.static(effects.sizes):
-            return p.radius[i]
+            return p[i].radius
         else:
             return case.grain_radius
 
     @wp.func
-    def inverse_mass_of(case: Case, p: Particles, i: int):
+    def inverse_mass_of(case: Case, p: wp.array(dtype=Particle), i: int):
         """[1/kg]."""
         if wp.static(effects.alike):
             return case.inverse_mass
         else:
-            return p.inverse_mass[i]
+            return p[i].inverse_mass
 
     @wp.func
-    def inverse_inertia_of(case: Case, p: Particles, i: int):
+    def inverse_inertia_of(case: Case, p: wp.array(dtype=Particle), i: int):
         """[1/(kg m^2)]."""
         if wp.static(effects.alike):
             return case.inverse_inertia
         else:
-            return p.inverse_inertia[i]
+            return p[i].inverse_inertia
 
     @wp.func
-    def reduced_radius(case: Case, p: Particles, i: int, j: int):
+    def reduced_radius(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
         """R* of a pair [m]."""
         if wp.static(effects.sizes):
-            return p.radius[i] * p.radius[j] / (p.radius[i] + p.radius[j])
+            return p[i].radius * p[j].radius / (p[i].radius + p[j].radius)
         else:
             return real(0.5) * case.grain_radius
 
     @wp.func
-    def reduced_mass(case: Case, p: Particles, i: int, j: int):
+    def reduced_mass(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
         """m* of a pair [kg]."""
         if wp.static(effects.alike):
             return real(0.5) / case.inverse_mass
         else:
-            return real(1.0) / (p.inverse_mass[i] + p.inverse_mass[j])
+            return real(1.0) / (p[i].inverse_mass + p[j].inverse_mass)
 
     @wp.func
-    def lever_arm(case: Case, p: Particles, i: int, j: int, distance: real):
+    def lever_arm(case: Case, p: wp.array(dtype=Particle), i: int, j: int, distance: real):
         """Distance of i's centre from the contact: the centres' distance shared in the ratio of the radii [m]."""
         if wp.static(effects.sizes):
-            return p.radius[i] * distance / (p.radius[i] + p.radius[j])
+            return p[i].radius * distance / (p[i].radius + p[j].radius)
         else:
             return real(0.5) * distance
 
     @wp.func
-    def pair_law(case: Case, p: Particles, i: int, j: int):
+    def pair_law(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, j: int):
         """Law of a pair."""
         if wp.static(effects.materials):
-            return p.laws[case.first_law + case.species * p.species[i] + p.species[j]]
+            return c.laws[case.first_law + case.species * p[i].species + p[j].species]
         else:
             return case.grain_law
 
     @wp.func
-    def wall_law(case: Case, p: Particles, i: int):
+    def wall_law(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int):
         """Law of a particle and the walls."""
         if wp.static(effects.materials):
-            return p.wall_laws[case.first_wall_law + p.species[i]]
+            return c.wall_laws[case.first_wall_law + p[i].species]
         else:
             return case.wall_law
 

@@ -24,7 +24,7 @@ def ledger(effects):
     """Return ``tally``, ``stored`` and the number of the column ``work_input`` for the given effects."""
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
-    Case, Particles, Contacts = t.Case, t.Particles, t.Contacts
+    Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     at = {name: wp.constant(k) for k, name in enumerate(columns(effects.channels))}
     WORK, COSINE, SINE = at["work_input"], at["reaction_cosine"], at["reaction_sine"]
     LARGEST, STORED = at["largest_overlap"], at["kinetic_translation"]
@@ -57,20 +57,20 @@ def ledger(effects):
         return row
 
     @wp.func
-    def stored(case: Case, p: Particles, c: Contacts, row: Row, offset: real):
+    def stored(case: Case, p: wp.array(dtype=Particle), c: Contacts, row: Row, offset: real):
         """Fill in the stored energies, positions taken ``offset`` seconds back (velocities and springs lie there)."""
         translation = wp.float64(0.0)
         rotation = wp.float64(0.0)
         gravity = wp.float64(0.0)
         for i in range(case.first, case.first + case.count):
-            v = p.half_velocity[i]
+            v = p[i].half_velocity
             mass = real(1.0) / inverse_mass_of(case, p, i)
             translation += wp.float64(real(0.5) * mass * wp.dot(v, v))
             if wp.static(effects.rotation):
-                spin = p.half_spin[i]
+                spin = p[i].half_spin
                 rotation += wp.float64(real(0.5) * wp.dot(spin, spin) / inverse_inertia_of(case, p, i))
             if wp.static(effects.gravity):
-                gravity -= wp.float64(mass * wp.dot(case.gravity, p.position[i] - offset * v))
+                gravity -= wp.float64(mass * wp.dot(case.gravity, p[i].position - offset * v))
         elastic = pair_energy(case, p, c, offset)
         if wp.static(effects.enclosure):
             elastic += wall_energy(case, p, c, offset)

@@ -13,7 +13,7 @@ def motion(effects):
     """Return ``enclosure_phase``, ``integrate`` and ``kick`` for the given effects."""
     t = types(effects)
     real, vec3 = t.real, t.vec3
-    Case, Particles = t.Case, t.Particles
+    Case, Particle = t.Case, t.Particle
     g = grains(effects)
     inverse_mass_of, inverse_inertia_of = g.inverse_mass_of, g.inverse_inertia_of
 
@@ -35,7 +35,7 @@ def motion(effects):
             return inertial
 
     @wp.func
-    def integrate(case: Case, p: Particles, inertial: vec3, h: real, drift: vec3):
+    def integrate(case: Case, p: wp.array(dtype=Particle), inertial: vec3, h: real, drift: vec3):
         """Kick over ``h``, drift over dt, predict the velocities for the next step, and clear the forces.
 
         Leapfrog: half_velocity is exact at half steps; velocity = half_velocity + a dt / 2 is the prediction that the
@@ -63,44 +63,44 @@ def motion(effects):
         half = real(0.5) * case.dt
         for i in range(case.first, case.first + case.count):
             inverse_mass = inverse_mass_of(case, p, i)
-            acceleration = inverse_mass * p.force[i] + body
-            before = p.half_velocity[i]
+            acceleration = inverse_mass * p[i].force + body
+            before = p[i].half_velocity
             after = before + h * acceleration
             momentum += wp.vec3d((real(1.0) / inverse_mass) * (before + after))
-            x = p.position[i] + case.dt * after
-            p.position[i] = x
-            p.half_velocity[i] = after
-            p.force[i] = vec3()
+            x = p[i].position + case.dt * after
+            p[i].position = x
+            p[i].half_velocity = after
+            p[i].force = vec3()
             if wp.static(effects.dashpots):
-                p.velocity[i] = after + half * acceleration
+                p[i].velocity = after + half * acceleration
 
             if wp.static(effects.rotation):
-                turning = inverse_inertia_of(case, p, i) * p.torque[i]
-                spin = p.half_spin[i] + h * turning
-                p.half_spin[i] = spin
-                p.torque[i] = vec3()
+                turning = inverse_inertia_of(case, p, i) * p[i].torque
+                spin = p[i].half_spin + h * turning
+                p[i].half_spin = spin
+                p[i].torque = vec3()
                 if wp.static(effects.dashpots):
-                    p.spin[i] = spin + half * turning
+                    p[i].spin = spin + half * turning
 
             mean_velocity += after
-            moved = x - p.listed[i] - drift
+            moved = x - p[i].listed - drift
             travel2 = wp.max(travel2, wp.dot(moved, moved))
         work = wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
         return work, travel2, mean_velocity / real(case.count)
 
     @wp.func
-    def kick(case: Case, p: Particles, inertial: vec3, h: real):
+    def kick(case: Case, p: wp.array(dtype=Particle), inertial: vec3, h: real):
         """Bring the velocities from the half step before to the whole step; returns the inertial work [J]."""
         momentum = wp.vec3d()  # twice the mean of before and after
         body = body_force(case, inertial)
         for i in range(case.first, case.first + case.count):
             inverse_mass = inverse_mass_of(case, p, i)
-            before = p.half_velocity[i]
-            after = before + h * (inverse_mass * p.force[i] + body)
+            before = p[i].half_velocity
+            after = before + h * (inverse_mass * p[i].force + body)
             momentum += wp.vec3d((real(1.0) / inverse_mass) * (before + after))
-            p.half_velocity[i] = after
+            p[i].half_velocity = after
             if wp.static(effects.rotation):
-                p.half_spin[i] = p.half_spin[i] + h * inverse_inertia_of(case, p, i) * p.torque[i]
+                p[i].half_spin = p[i].half_spin + h * inverse_inertia_of(case, p, i) * p[i].torque
         return wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
 
     return enclosure_phase, integrate, kick

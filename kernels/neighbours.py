@@ -8,7 +8,7 @@ import functools
 
 import warp as wp
 
-from .data import types
+from .data import UNIQUE, types
 from .grains import grains
 
 
@@ -17,23 +17,23 @@ def neighbour_search(effects):
     """Return the kernels ``count_pairs`` and ``list_pairs`` for the given effects."""
     t = types(effects)
     real, vec3 = t.real, t.vec3
-    Case, Particles, Contacts = t.Case, t.Particles, t.Contacts
+    Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     radius_of = grains(effects).radius_of
 
     @wp.func
-    def near(case: Case, p: Particles, i: int, j: int):
-        branch = p.position[i] - p.position[j]
+    def near(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
+        branch = p[i].position - p[j].position
         reach = radius_of(case, p, i) + radius_of(case, p, j) + case.skin
         return j > i and wp.dot(branch, branch) < reach * reach
 
-    @wp.kernel(enable_backward=False, module="unique")
+    @wp.kernel(**UNIQUE)
     def count_pairs(
         grid: wp.uint64,
         cases: wp.array(dtype=Case),
         group: wp.array(dtype=wp.int32),
         waiting: wp.array(dtype=wp.int32),
         largest_radius: real,
-        p: Particles,
+        p: wp.array(dtype=Particle),
         old: Contacts,
         # out:
         counts: wp.array(dtype=wp.int32),
@@ -45,7 +45,7 @@ def neighbour_search(effects):
             return
         case = cases[group[i]]
         count = wp.int32(0)
-        for j in wp.hash_grid_query(grid, p.position[i], radius_of(case, p, i) + largest_radius + case.skin, group[i]):
+        for j in wp.hash_grid_query(grid, p[i].position, radius_of(case, p, i) + largest_radius + case.skin, group[i]):
             if near(case, p, i, j):
                 count += 1
         counts[i] = count
@@ -82,14 +82,14 @@ def neighbour_search(effects):
             if before >= 0:
                 fresh.pair_roll[k] = old.pair_roll[before]
 
-    @wp.kernel(enable_backward=False, module="unique")
+    @wp.kernel(**UNIQUE)
     def list_pairs(
         grid: wp.uint64,
         cases: wp.array(dtype=Case),
         group: wp.array(dtype=wp.int32),
         waiting: wp.array(dtype=wp.int32),
         largest_radius: real,
-        p: Particles,
+        p: wp.array(dtype=Particle),
         old: Contacts,
         # out:
         fresh: Contacts,
@@ -106,7 +106,7 @@ def neighbour_search(effects):
                 last += 1
             return
         case = cases[group[i]]
-        for j in wp.hash_grid_query(grid, p.position[i], radius_of(case, p, i) + largest_radius + case.skin, group[i]):
+        for j in wp.hash_grid_query(grid, p[i].position, radius_of(case, p, i) + largest_radius + case.skin, group[i]):
             if near(case, p, i, j):
                 k = last
                 while k > first and fresh.partner[k - 1] > j:  # insertion sort: rows are short
@@ -117,7 +117,7 @@ def neighbour_search(effects):
         if wp.static(effects.history):
             for k in range(first, last):
                 carry_over(old, fresh, k, place_in(old, i, fresh.partner[k]))
-        p.listed[i] = p.position[i]
+        p[i].listed = p[i].position
         drifts[group[i]] = vec3()
 
     return count_pairs, list_pairs

@@ -22,7 +22,7 @@ from warpdamp.ledger import harmonic_work, maximum_energy
 from warpdamp.modal.fem import beam_modes
 from warpdamp.packing import Request, prepare, settle
 from warpdamp.study import beam
-from warpdamp.sweep import radii
+from warpdamp.sweep import grains
 from warpdamp.timestep import steps_per_cycle
 
 ROOT = Path(__file__).parents[1]
@@ -97,7 +97,7 @@ def bed_section():
     beds = [settle(damper(), bed, time=0.2) for bed in beds]
     for gamma, codes in ((1.0, "under 0.01"), (3.0, "0.44 ± 0.04"), (6.0, "0.31 ± 0.05")):
         scene = damper(46.0, gamma)
-        dt = 1 / (46.0 * steps_per_cycle(scene, beds[0].radius))
+        dt = 1 / (46.0 * steps_per_cycle(scene, beds[0]))
         eps = [effectiveness(ledger.between(4, 13), scene) for ledger in shake(scene, beds, dt, 13)]
         lines.append(f"| {gamma:g} | {codes} | {', '.join(f'{x:.3f}' for x in eps)} | {np.mean(eps):.3f} |")
 
@@ -127,10 +127,10 @@ def bed_section():
     lines += ["", f"Clearance, compacted: {clearance} mm (eq. 2 says 2.2-2.3 mm)."]
 
     config = load(ROOT / "configs" / "beam.yaml")
-    fresh = [prepare(Request(damper(), radii(config), seed, "loose")) for seed in config.seeds]
+    fresh = [prepare(Request(damper(), grains(config), seed, "loose")) for seed in config.seeds]
     lines += ["", f"Clearance, loose: {', '.join(f'{1e3 * bed.clearance:.2f}' for bed in fresh)} mm."]
     scene = damper(46.0, 6.0)
-    dt = 1 / (46.0 * steps_per_cycle(scene, beds[0].radius))
+    dt = 1 / (46.0 * steps_per_cycle(scene, beds[0]))
     lines += [
         "",
         "A loose start at Gamma 6, effectiveness over cycles 1-10, 11-20, ... 81-90, mean of three packings:",

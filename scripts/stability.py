@@ -16,7 +16,7 @@ import os  # noqa: E402
 
 from stability.cases import CASES, bed, shaken  # noqa: E402
 
-from warpdamp import Batch, Case  # noqa: E402
+from warpdamp import Batch, Case, Effects  # noqa: E402
 from warpdamp.guards import check_overlaps, check_run, check_values  # noqa: E402
 from warpdamp.timestep import steps_per_cycle  # noqa: E402
 
@@ -40,11 +40,11 @@ def how(outcome):
 def cost_of_guards():
     """Medians of the processor time of a shaken bed, with the kernels' guards and without, in turn."""
     s, state = shaken(), bed(120)
-    n = steps_per_cycle(s, state.radius)
+    n = steps_per_cycle(s, state)
     spent = {True: [], False: []}
     for repeat in range(8):
         for guarded in (True, False):
-            batch = Batch([Case(s, state, 1 / 46 / n)], max_rows=3, guarded=guarded)
+            batch = Batch([Case(s, state, 1 / 46 / n)], max_rows=3, effects=Effects(guards=guarded))
             started = time.process_time()
             batch.advance(2 * n)
             if repeat:  # the first compiles

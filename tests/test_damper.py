@@ -110,7 +110,7 @@ def test_a_loose_bed_agrees_with_independent_codes(damper, loose_positions, gamm
     for seed in (1, 2, 3):
         state = State.at_rest(loose_positions(seed), RADIUS)
         state = settle(scene, state, time=0.2)
-        n = steps_per_cycle(scene, state.radius)
+        n = steps_per_cycle(scene, state)
         ledger = shake(scene, state, 1 / (46.0 * n), 13)
         found.append(np.mean(effectiveness(ledger.between(4, 13), scene, state.radius)))
     assert np.mean(found) == pytest.approx(expected, abs=spread)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from warpdamp import Batch, Case, Cylinder, Material, Simulation, SimulationError, State, engine
+from warpdamp import Batch, Case, Cylinder, Effects, Material, Simulation, SimulationError, State, engine
 from warpdamp.kernels import data
 from warpdamp.packing import separate
 from warpdamp.timestep import steps_per_cycle
@@ -15,7 +15,7 @@ RADIUS = 3.73e-3
 def bed_case(damper, positions, gamma=6.0, frequency=46.0):
     scene = damper(frequency, gamma)
     state = State.at_rest(positions, RADIUS)
-    n = steps_per_cycle(scene, state.radius)
+    n = steps_per_cycle(scene, state)
     return Case(scene, state, 1 / (frequency * n), n)
 
 
@@ -121,7 +121,7 @@ def test_float32_follows_float64_for_a_while(damper, loose_positions):
     case = bed_case(damper, loose_positions(1))
     rows = []
     for precision in ("float64", "float32"):
-        batch = Batch([case], max_rows=2, precision=precision)
+        batch = Batch([case], max_rows=2, effects=Effects(precision=precision))
         batch.advance(case.steps_per_cycle)
         rows.append(batch.cycles(0))
     assert rows[1].dissipated[-1] == pytest.approx(rows[0].dissipated[-1], rel=0.1)
@@ -129,7 +129,7 @@ def test_float32_follows_float64_for_a_while(damper, loose_positions):
 
 
 def plant_nan(batch, particle):
-    batch._particles.half_velocity.numpy()[particle, 0] = np.nan
+    batch._particles.numpy()["half_velocity"][particle, 0] = np.nan
 
 
 def test_a_state_that_is_not_finite_stops_its_case_only(damper, loose_positions):
@@ -146,7 +146,7 @@ def test_a_state_that_is_not_finite_stops_its_case_only(damper, loose_positions)
 
 def test_a_particle_outside_the_cavity_stops_its_case(damper, loose_positions):
     batch = Batch([bed_case(damper, loose_positions(1))], max_rows=2)
-    batch._particles.position.numpy()[3] = [0.0, 0.0, 0.06]
+    batch._particles.numpy()["position"][3] = [0.0, 0.0, 0.06]
     batch.advance(100)
     assert batch.status.tolist() == [data.ESCAPED]
 

@@ -4,19 +4,19 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
 
-from warpdamp import Cylinder, PackingError, Request, State, prepare
+from warpdamp import Cylinder, Grains, PackingError, Request, State, prepare
 from warpdamp.packing import cache_folder, fill, separate, settle
 from warpdamp.timestep import Numerics
 
 RADIUS = 3.73e-3
-PAPER = (RADIUS,) * 120
+PAPER = Grains.alike(RADIUS, 120)
 CAVITY = Cylinder(0.04, 0.04)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_the_papers_bed_fits_without_overlap(seed):
-    assert fill(PAPER, CAVITY) == pytest.approx(0.519, abs=1e-3)
-    x = separate(PAPER, CAVITY, seed)
+    assert fill(PAPER.radius, CAVITY) == pytest.approx(0.519, abs=1e-3)
+    x = separate(PAPER.radius, CAVITY, seed)
     assert pdist(x).min() >= 2 * RADIUS
     assert np.hypot(x[:, 0], x[:, 1]).max() + RADIUS <= 0.02
     assert x[:, 2].min() >= RADIUS
@@ -59,7 +59,7 @@ def test_a_loose_bed_rests_holds_together_and_repeats(damper):
 def test_settling_releases_no_energy(damper):
     """What the bed has at rest, and what it lost on the way, is what gravity gave."""
     scene = damper()
-    state = State.at_rest(separate(PAPER, CAVITY, 4), RADIUS)
+    state = State.at_rest(separate(PAPER.radius, CAVITY, 4), RADIUS)
     rest = settle(scene, state)
     assert np.mean(rest.position[:, 2]) < np.mean(state.position[:, 2])
     assert np.abs(rest.velocity).max() < 0.02
@@ -69,7 +69,7 @@ def test_every_input_changes_the_key(damper):
     base = Request(damper(), PAPER, 1)
     others = [
         Request(damper(), PAPER, 2),
-        Request(damper(), PAPER[:-1], 1),
+        Request(damper(), Grains.alike(RADIUS, 119), 1),
         Request(damper(), PAPER, 1, "loose"),
         Request(damper(), PAPER, 1, settling_time=0.2),
         Request(damper(), PAPER, 1, numerics=Numerics("float32")),
@@ -81,13 +81,13 @@ def test_every_input_changes_the_key(damper):
 def test_a_bed_cannot_be_compacted_without_gravity(make_scene):
     scene = make_scene(enclosure=CAVITY)
     with pytest.raises(PackingError, match="without gravity"):
-        prepare(Request(scene, PAPER[:20], 1, "compacted"))
+        prepare(Request(scene, Grains.alike(RADIUS, 20), 1, "compacted"))
 
 
 def test_a_bed_without_gravity_floats_where_it_was_made(make_scene):
     scene = make_scene(enclosure=CAVITY)
-    bed = prepare(Request(scene, PAPER[:20], 1, "loose"))
-    assert np.array_equal(bed.state.position, separate(PAPER[:20], CAVITY, 1))
+    bed = prepare(Request(scene, Grains.alike(RADIUS, 20), 1, "loose"))
+    assert np.array_equal(bed.state.position, separate((RADIUS,) * 20, CAVITY, 1))
     assert bed.clearance > 0.02
 
 

@@ -155,7 +155,7 @@ def test_failed_cases_are_values(small_config, monkeypatch):
     class Sabotaged(shaking.Batch):
         def __init__(self, *arguments, **options):
             super().__init__(*arguments, **options)
-            self._particles.half_velocity.numpy()[-1] = np.nan
+            self._particles.numpy()["half_velocity"][-1] = np.nan
 
     config = load(small_config)
     specs = [s for s in _specs(config, study_points(config)[0]).values() if s.index[1] == 2][:2]

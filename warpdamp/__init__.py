@@ -32,6 +32,7 @@ _HOMES = {
     "Ledger": "ledger",
     "Cylinder": "scene",
     "Drive": "scene",
+    "Grains": "scene",
     "Material": "scene",
     "Scene": "scene",
     "State": "scene",
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
     from .plot import curves as curves
     from .scene import Cylinder as Cylinder
     from .scene import Drive as Drive
+    from .scene import Grains as Grains
     from .scene import Material as Material
     from .scene import Scene as Scene
     from .scene import State as State

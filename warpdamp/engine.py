@@ -100,8 +100,8 @@ class Batch:
         laws: dict[str, list] = {"laws": [], "wall_laws": []}
         self._constants = wp.array([self._device_case(k, laws) for k in range(m)], dtype=t.Case, device=DEVICE)
         self._group = wp.array(np.repeat(np.arange(m, dtype=np.int32), counts), device=DEVICE)
-        self._particles = self._transfer.particles([c.scene.masses(c.state) for c in self.cases], laws)
-        self._contacts = self._transfer.contacts()
+        self._particles = self._transfer.particles([c.scene.masses(c.state) for c in self.cases])
+        self._contacts = self._transfer.contacts(laws)
         self._steps = wp.zeros(m, dtype=wp.int64, device=DEVICE)
         self._target = wp.zeros(m, dtype=wp.int64, device=DEVICE)
         self._drifts = wp.zeros(m, dtype=t.vec3, device=DEVICE)
@@ -174,7 +174,7 @@ class Batch:
         t, p, old = self._types, self._particles, self._contacts
         n = len(self._transfer)
         self._waiting.assign(np.broadcast_to(np.asarray(waiting, np.int32), len(self.cases)).copy())
-        self._grid.build(p.position, self._cell, groups=self._group)
+        self._grid.build(self._positions(), self._cell, groups=self._group)
         search = [self._grid.id, self._constants, self._group, self._waiting, self._largest_radius, p, old]
         wp.launch(self._count_pairs, n, [*search, self._counts], device=DEVICE)
         fresh = t.Contacts()
@@ -182,12 +182,25 @@ class Batch:
         wp.utils.array_scan(self._counts, fresh.start, inclusive=False)
         total = int(fresh.start.numpy()[-1])
         for name, variable in t.Contacts.vars.items():
-            if name.startswith("wall_"):
-                setattr(fresh, name, getattr(old, name))
-            elif name != "start":
+            if name == "partner" or name.startswith("pair_"):
                 setattr(fresh, name, wp.empty(total, dtype=variable.type.dtype, device=DEVICE))
+            elif name != "start":
+                setattr(fresh, name, getattr(old, name))
         wp.launch(self._list_pairs, n, [*search, fresh, self._drifts], device=DEVICE)
         self._contacts = fresh
+
+    def _positions(self) -> wp.array:
+        """Positions of all particles, side by side as the grid wants them."""
+        p = self._particles
+        field = self._types.Particle.numpy_dtype()
+        view = wp.array(
+            ptr=p.ptr + field["offsets"][field["names"].index("position")],
+            dtype=self._types.vec3,
+            shape=p.shape,
+            strides=p.strides,
+            device=DEVICE,
+        )
+        return view.contiguous()
 
     def _check_overlaps(self):
         self._find_neighbours(True)
@@ -245,10 +258,9 @@ class Batch:
             array.assign(checkpoint[name])
 
     def _changing(self) -> dict:
-        p, c = self._particles, self._contacts
-        own = {name: getattr(p, name) for name in self._types.Particles.vars}
-        own |= {name: getattr(c, name) for name in self._types.Contacts.vars}
-        return own | {
+        contacts = {name: getattr(self._contacts, name) for name in self._types.Contacts.vars if "laws" not in name}
+        return contacts | {
+            "particles": self._particles,
             "steps": self._steps,
             "drifts": self._drifts,
             "tallies": self._tallies,
@@ -263,10 +275,9 @@ class Batch:
         """
         self._find_neighbours(True)
         p, c, t = self._particles, self._contacts, self._types
-        copy_p, copy_c = t.Particles(), t.Contacts()
-        for copy, original, struct in ((copy_p, p, t.Particles), (copy_c, c, t.Contacts)):
-            for name in struct.vars:
-                setattr(copy, name, wp.clone(getattr(original, name)))
+        copy_p, copy_c = wp.clone(p), t.Contacts()
+        for name in t.Contacts.vars:
+            setattr(copy_c, name, wp.clone(getattr(c, name)))
         tallies = wp.clone(self._tallies)
         wp.launch(
             self._synchronise,

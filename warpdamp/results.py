@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .ledger import CHANNELS
+from .ledger import CHANNELS, TOTALS
 from .steady import Status
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ VARIABLES = {
     "effectiveness": ("1", "energy dissipated per cycle over that of the ideal impact damper (eqs 4, 5)"),
     "effectiveness_standard_error": ("1", "standard error of the effectiveness"),
     **{f"{name}_loss": ("J", f"energy lost per cycle: {name.replace('_', ' ')}") for name in CHANNELS},
+    **{f"{name}_loss": ("J", f"energy lost per cycle: {name.split('_')[0]} contacts, all channels") for name in TOTALS},
     "work_input": ("J", "work per cycle of the enclosure on the particles"),
     "harmonic_work": ("J", "work per cycle by the first harmonic of the reaction, -pi X Im(F1)"),
     "ledger_residual": ("1", "energy not accounted for, over the energy dissipated"),

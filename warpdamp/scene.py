@@ -166,6 +166,11 @@ class Grains:
     radius: tuple[float, ...]
     species: tuple[int, ...]
 
+    @classmethod
+    def alike(cls, radius: float, count: int) -> Grains:
+        """Equal spheres of one material."""
+        return cls((radius,) * count, (0,) * count)
+
     def __len__(self) -> int:
         return len(self.radius)
 

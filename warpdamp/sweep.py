@@ -102,7 +102,7 @@ def points(config: Config):
 
 def grains(config: Config) -> Grains:
     """Radius and species of every particle."""
-    return Grains((config.damper.particles.radius,) * config.damper.particles.count, (0,) * config.damper.particles.count)
+    return Grains.alike(config.damper.particles.radius, config.damper.particles.count)
 
 
 def material(config: Config, name: str) -> Material:

@@ -63,29 +63,23 @@ class Transfer:
         """One array a case to one for all, in the device's order."""
         return np.concatenate([v[order] for v, order in zip(values, self.order, strict=True)])
 
-    def particles(self, masses: list[np.ndarray], tables: dict[str, list]):
-        """The struct of particles; ``masses`` of each case [kg], ``tables`` of laws."""
+    def particles(self, masses: list[np.ndarray]) -> wp.array:
+        """The array of particles, of the given ``masses`` in each case [kg]."""
         radius = [s.radius for s in self.states]
         given = {
             "inverse_mass": [1 / m for m in masses],
             "inverse_inertia": [2.5 / (m * r**2) for m, r in zip(masses, radius, strict=True)],
         }
-        p = self.types.Particles()
-        for name, variable in self.types.Particles.vars.items():
-            dtype = variable.type.dtype
-            if name in tables:
-                values = wp.array(tables[name], dtype=dtype, device=DEVICE)
-            elif name in ("force", "torque", "listed"):
-                values = wp.zeros(len(self), dtype=dtype, device=DEVICE)
-            else:
+        values = np.zeros(len(self), dtype=self.types.Particle.numpy_dtype())
+        for name in values.dtype.names:
+            if name not in ("force", "torque", "listed"):
                 field = name.removeprefix("half_")
                 each = given[name] if name in given else [getattr(s, field) for s in self.states]
-                values = self.array(self.of_all(each), dtype)
-            setattr(p, name, values)
-        return p
+                values[name] = self.of_all(each)
+        return wp.array(values, dtype=self.types.Particle, device=DEVICE)
 
-    def contacts(self):
-        """The struct of contacts that the states remember."""
+    def contacts(self, laws: dict[str, list]):
+        """The struct of contacts that the states remember, with tables of ``laws``."""
         numbered = [_numbered(s, order) for s, order in zip(self.states, self.order, strict=True)]
         pairs = np.concatenate([p + first for (p, _, _), first in zip(numbered, self.first[:-1], strict=True)])
         history = np.concatenate([history for _, history, _ in numbered])
@@ -102,7 +96,9 @@ class Transfer:
         }
         c = self.types.Contacts()
         for name, variable in self.types.Contacts.vars.items():
-            setattr(c, name, self.array(values[name], variable.type.dtype))
+            dtype = variable.type.dtype
+            table = wp.array(laws[name], dtype=dtype, device=DEVICE) if name in laws else self.array(values[name], dtype)
+            setattr(c, name, table)
         return c
 
     def listed(self, k: int, contacts) -> tuple[np.ndarray, slice]:
@@ -119,10 +115,10 @@ class Transfer:
         n = last - first
         back = np.argsort(self.order[k])
 
+        own = particles.numpy()[first:last]
+
         def of_particles(name, start):
-            if name not in self.types.Particles.vars:
-                return start.copy()
-            return getattr(particles, name).numpy()[first:last].astype(float)[back]
+            return own[name].astype(float)[back] if name in own.dtype.names else start.copy()
 
         def of_walls(name, *shape):
             if name not in self.types.Contacts.vars:

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from warpdamp import Batch, Case, Cylinder, Drive, Material, PackingError, Request, Scene, State, Surface, prepare
+from warpdamp import Batch, Case, Cylinder, Drive, Grains, Material, PackingError, Request, Scene, State, Surface, prepare
+from warpdamp.effects import called_for
 from warpdamp.guards import DEEPEST, LARGEST_RESIDUAL, residual_share
 from warpdamp.kernels import data
 from warpdamp.ledger import Ledger
@@ -68,13 +69,13 @@ def attempt(s: Scene, state: State, *, cycles=2, dt=None, steps=None, precision=
     """Run a scene with the step that is chosen for it (or a given one), and judge it as the runner does."""
     try:
         if s.drive:
-            n = math.ceil(1 / (s.drive.frequency * dt)) if dt else steps_per_cycle(s, state.radius)
+            n = math.ceil(1 / (s.drive.frequency * dt)) if dt else steps_per_cycle(s, state)
             dt = 1 / (s.drive.frequency * n)
             steps = steps or cycles * n
         else:
-            dt = dt or contact_step(s, state.radius)
+            dt = dt or contact_step(s, state)
         check_step(s, state, dt)
-        batch = Batch([Case(s, state, dt)], precision=precision, max_rows=1)
+        batch = Batch([Case(s, state, dt)], effects=called_for(s, state, precision=precision), max_rows=1)
     except ValueError as error:
         return Outcome(False, str(error))
     start = batch.read()[0][1]
@@ -147,7 +148,7 @@ def many(fine):
 def filled(count):
     """A bed of so many of the paper's spheres in its cavity, made and settled as the runner does."""
     try:
-        made = prepare(Request(shaken(), (RADIUS,) * count, 1, "loose"))
+        made = prepare(Request(shaken(), Grains.alike(RADIUS, count), 1, "loose"))
     except PackingError as error:
         return Outcome(False, str(error))
     return attempt(shaken(), made.state, cycles=4)
@@ -207,7 +208,7 @@ def touching(fine):
 for factor, expected in ((0.5, "runs"), (1.0, "runs"), (3.0, "refused")):
     hard(f"a step of {factor:g} times the one chosen", expected)(
         lambda fine, f=factor: attempt(
-            shaken(), bed(120), dt=f * contact_step(shaken(), np.full(120, RADIUS)), cycles=2
+            shaken(), bed(120), dt=f * contact_step(shaken(), Grains.alike(RADIUS, 120)), cycles=2
         )
     )
 
@@ -233,7 +234,7 @@ def resting(fine):
     """No drift and no heating."""
     s = scene(cavity=Cylinder(0.02, 0.02))
     state = settle(s, bed(8, cavity=s.enclosure))
-    dt = contact_step(s, state.radius)
+    dt = contact_step(s, state)
     batch = Batch([Case(s, state, dt)])
     batch.advance(100_000)  # what is left of the settling dies away
     before, start = batch.read()[0]
@@ -263,7 +264,7 @@ def bouncing(fine):
 
 
 def _nan(batch):
-    batch._particles.half_velocity.numpy()[3, 1] = np.nan
+    batch._particles.numpy()["half_velocity"][3, 1] = np.nan
 
 
 hard("NaN planted in a state", "flagged")(lambda fine: attempt(shaken(), bed(40), cycles=1, plant=_nan))

@@ -112,7 +112,7 @@ def restitution(fine):
         found[f"spheres 1:{ratio}"] = out
         for e, got, before, (_, ledger) in zip(values, out, start, ended, strict=True):
             result.add(f"spheres 1:{ratio}, e = {e:.2f}", e, got, 2e-3)
-            kinetic = before[0][list(_columns()).index("kinetic_translation")]
+            kinetic = before["kinetic_translation"][0]
             result.add(f"spheres 1:{ratio}, e = {e:.2f}: energy lost", 1 - e**2, ledger.dissipated[0] / kinetic, 4e-3)
     for name, material in (("alumina", ALUMINA), ("cast iron", CAST_IRON)):
         cases = []
@@ -128,12 +128,6 @@ def restitution(fine):
     result.curves = [Curve(name, np.array(values), np.array(out) - values, "o-") for name, out in found.items()]
     result.axes = ("restitution asked for", "found minus asked for")
     return result
-
-
-def _columns():
-    from warpdamp.kernels.data import COLUMNS
-
-    return COLUMNS
 
 
 def oblique(material, radius, restitution, friction, vn, vt, spin, steps):
@@ -401,16 +395,15 @@ def random_impacts(fine):
         cases.append((s, state, impact_time(s, radius, math.cos(angle)) / 50))
         closing.append(math.cos(angle))
     start, ended = together(cases, 400)
-    columns = list(_columns())
-    kinetic = [columns.index(n) for n in ("kinetic_translation", "kinetic_rotation")]
+    kinetic = ("kinetic_translation", "kinetic_rotation")
     gain = residual = momentum = turning = 0.0
     lowest = 0.0
     for (s, state, _), before, (now, ledger) in zip(cases, start, ended, strict=True):
-        energy = before[0][kinetic].sum()
-        gain = max(gain, (ledger.rows[0][kinetic].sum() - energy) / energy)
-        left = ledger.stored[0] + ledger.dissipated[0] - before[0][columns.index("kinetic_translation") :].sum()
+        energy = before.total(kinetic)[0]
+        gain = max(gain, (ledger.total(kinetic)[0] - energy) / energy)
+        left = ledger.stored[0] + ledger.dissipated[0] - before.stored[0]
         residual = max(residual, abs(left) / energy)
-        lowest = min(lowest, ledger.rows[0][:8].min() / energy)
+        lowest = min(lowest, min(ledger[name][0] for name in ledger.losses) / energy)
         mass = s.mass(state.radius)[:, None]
         momenta = [
             (

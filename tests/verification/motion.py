@@ -180,7 +180,7 @@ def follow(path, *, friction=0.5, restitution=1.0, steps=400):
     corners = 1e-6 * np.asarray(path, float)
     legs = [np.linspace(a, b, steps, endpoint=False) for a, b in itertools.pairwise(corners)]
     places = np.concatenate([*legs, corners[-1:]])
-    return probe(law, places, h=1e-7, inverse_radius=2 / RADIUS, inverse_mass=2 / float(scene().mass(RADIUS)))
+    return probe(law, places, h=1e-7, radius=RADIUS / 2, mass=float(scene().mass(RADIUS)) / 2)
 
 
 @case(

@@ -121,9 +121,9 @@ def after(s: Scene, state: State, dt: float, time: float):
 
 
 def together(cases, steps):
-    """Many small cases at once: (scene, state, dt) each; returns their states and ledgers."""
+    """Many small cases at once: (scene, state, dt) each; returns the ledgers before, and states and ledgers after."""
     batch = Batch([Case(*c) for c in cases])
-    start = [ledger.rows for _, ledger in batch.read()]
+    start = [ledger for _, ledger in batch.read()]
     batch.advance(steps)
     return start, batch.read()
 
