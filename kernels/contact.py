@@ -21,9 +21,9 @@ Tangential history
     30 % of a tangential swing at 20 steps a contact.)
 
 Rolling resistance
-    The elastic-plastic spring and dashpot of Ai, Chen, Rotter & Ooi (2011, doi:10.1016/j.powtec.2010.09.030) in the form
-    of a second friction: the way rolled, R* (spin_i - spin_j) x n, stretches a spring as stiff as the tangential one,
-    with a dashpot as strong, its force at most mu_r Fn.  Its moment is R* times that force: at most mu_r R* Fn.
+    The elastic-plastic spring and dashpot of Ai, Chen, Rotter & Ooi (2011, doi:10.1016/j.powtec.2010.09.030) in the
+    form of a second friction: the way rolled, R* (spin_i - spin_j) x n, stretches a spring as stiff as the tangential
+    one, with a dashpot as strong, its force at most mu_r Fn.  Its moment is R* times that: at most mu_r R* Fn.
 
 Energy
     The work of friction between two steps is the mean of its force at both times the way slid.  Less the change of the

@@ -86,7 +86,15 @@ def wall_contacts(effects):
 
     @wp.func
     def wall_force(
-        case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, gap: real, normal: vec3, h: real, since: real
+        case: Case,
+        p: wp.array(dtype=Particle),
+        c: Contacts,
+        i: int,
+        wall: int,
+        gap: real,
+        normal: vec3,
+        h: real,
+        since: real,
     ):
         """Add what one wall does to one particle; return the force [N], the losses [J] and the overlap over R."""
         f = vec3()

@@ -4,6 +4,7 @@ A field that no effect of the scene needs does not exist: structs are made for t
 """
 
 import functools
+from dataclasses import replace
 from types import SimpleNamespace
 
 import warp as wp
@@ -53,10 +54,19 @@ def columns(channels):
 @functools.cache
 def types(effects):
     """Structs and vectors for the given effects."""
+    # Warp shares kernels of equal code, so effects of equal structs must share those, too
+    wall = effects.enclosure
+    own = structs(replace(effects, channels=True, guards=True, side=wall, floor=wall, lid=wall))
+    losses = wp.types.vector(len(LOSSES) if effects.channels else 1, wp.float64)
+    row = wp.types.vector(len(columns(effects.channels)), wp.float64)
+    return SimpleNamespace(**vars(own), Losses=losses, Row=row)
+
+
+@functools.cache
+def structs(effects):
+    """Structs for the given effects, of which ``channels``, ``guards`` and the choice of walls do not matter."""
     real = effects.real
     vec3 = wp.types.vector(3, real)
-    Losses = wp.types.vector(len(LOSSES) if effects.channels else 1, wp.float64)
-    Row = wp.types.vector(len(columns(effects.channels)), wp.float64)
 
     @wp.struct
     class Law:
@@ -173,8 +183,6 @@ def types(effects):
     return SimpleNamespace(
         real=real,
         vec3=vec3,
-        Losses=Losses,
-        Row=Row,
         Law=Law,
         Case=Case,
         Particle=Particle,

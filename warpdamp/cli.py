@@ -58,6 +58,24 @@ def run(
 
 
 @app.command()
+def explain(
+    config: ConfigArgument,
+    measure: Annotated[bool, typer.Option("--measure", help="Measure first what each effect costs here.")] = False,
+) -> None:
+    """Say what a study will simulate, why, and what it will take, without running it."""
+    with _one_line_errors():
+        from .config import load
+        from .explain import explain as explained
+
+        checked = load(config)
+        if measure:
+            from .speed import measure_study
+
+            measure_study(checked)
+        print(explained(checked))
+
+
+@app.command()
 def modes(config: ConfigArgument) -> None:
     """Show the structure's modes, without and with the particles' mass."""
     from rich.console import Console

@@ -3,63 +3,38 @@
 from __future__ import annotations
 
 import difflib
-import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
     BaseModel,
-    ConfigDict,
     Field,
     PrivateAttr,
     StrictInt,
     ValidationError,
-    field_validator,
     model_validator,
 )
 
-from .units import Acceleration, Density, Frequency, Length, Mass, Number, Pressure, Time
+from .config_damper import (
+    WALLS,
+    ContactConfig,
+    DamperConfig,
+    EffectsConfig,
+    ExcitationConfig,
+    MaterialConfig,
+    Model,
+    between,
+)
+from .units import Length, Mass, Number, Time
+
+_positive, _not_negative = Field(gt=0), Field(ge=0)
 
 
 class ConfigError(ValueError):
     """What is wrong with a configuration: one line an error, each with its place."""
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-def _swept(kind, *constraints):
-    """One value, or a list of different ones that becomes an axis."""
-    one = Annotated[kind, *constraints]
-    return one | Annotated[list[one], Field(min_length=1)]
-
-
-_positive, _not_negative = Field(gt=0), Field(ge=0)
-
-
-class MaterialConfig(_Model):
-    """An isotropic elastic material."""
-
-    density: _swept(Density, _positive)
-    youngs_modulus: _swept(Pressure, _positive)
-    poissons_ratio: _swept(Number, Field(gt=-1, lt=0.5))
-
-
-class SurfaceConfig(_Model):
-    """Restitution and sliding friction of a contact."""
-
-    restitution: _swept(Number, Field(ge=0, le=1))
-    friction: _swept(Number, _not_negative)
-
-
-class ContactConfig(SurfaceConfig):
-    """Of particles with each other and, unless ``walls`` says otherwise, with the walls."""
-
-    walls: SurfaceConfig | None = None
-
-
-class BeamConfig(_Model):
+class BeamConfig(Model):
     """A beam of rectangular section that bends across its thickness."""
 
     length: Annotated[Length, _positive]
@@ -75,14 +50,14 @@ class BeamConfig(_Model):
         return self
 
 
-class PointMassConfig(_Model):
+class PointMassConfig(Model):
     """The empty damper and its fixtures."""
 
     mass: Annotated[Mass, _not_negative]
     position: Annotated[Length, _not_negative]
 
 
-class StructureConfig(_Model):
+class StructureConfig(Model):
     """The vibrating structure that the damper sits on."""
 
     beam: BeamConfig
@@ -112,65 +87,7 @@ class StructureConfig(_Model):
         return given if isinstance(given, list) else [given] * len(self.modes)
 
 
-class EnclosureConfig(_Model):
-    """A cylindrical cavity, shaken along its axis."""
-
-    diameter: Annotated[Length, _positive]
-    height: Annotated[Length, _positive]
-    material: str
-
-
-class ParticlesConfig(_Model):
-    """Equal spheres."""
-
-    count: Annotated[StrictInt, Field(ge=1)]
-    radius: Annotated[Length, _positive]
-    material: str
-
-
-class DamperConfig(_Model):
-    """The cavity and what is in it."""
-
-    enclosure: EnclosureConfig
-    particles: ParticlesConfig
-
-    @model_validator(mode="after")
-    def _fits(self):
-        room = min(self.enclosure.diameter, self.enclosure.height)
-        if 2 * self.particles.radius >= room:
-            raise ValueError(
-                f"particles.radius: particles of diameter {2e3 * self.particles.radius:g} mm do not fit the "
-                f"cavity ({1e3 * self.enclosure.diameter:g} x {1e3 * self.enclosure.height:g} mm)"
-            )
-        volume = self.particles.count * 4 / 3 * math.pi * self.particles.radius**3
-        cavity = math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height
-        if volume > 0.74 * cavity:
-            most = math.floor(0.74 * cavity / volume * self.particles.count)
-            raise ValueError(
-                f"particles.count: too many particles: they would fill {volume / cavity:.3f} of the cavity, and not "
-                f"even a crystal fills more than 0.740; take at most {most}"
-            )
-        return self
-
-
-class ExcitationConfig(_Model):
-    """Sinusoidal motion along the axis of the cavity, which stands upright."""
-
-    gamma: _swept(Number, _positive)
-    frequency: Literal["modes"] | _swept(Frequency, _positive) = "modes"
-    gravity: _swept(Acceleration, _not_negative) = 9.81
-
-    @field_validator("gamma", "frequency")
-    @classmethod
-    def _rising(cls, values):
-        if isinstance(values, list):
-            if len(set(values)) < len(values):
-                raise ValueError("each value once")
-            return sorted(values)
-        return values
-
-
-class SteadyConfig(_Model):
+class SteadyConfig(Model):
     """When a case is done.  ``paper``: fixed times, 0.2 s of settling and 0.3 s of shaking, for comparison."""
 
     recipe: Literal["detect", "paper"] = "detect"
@@ -185,7 +102,7 @@ class SteadyConfig(_Model):
         return self
 
 
-class NumericsConfig(_Model):
+class NumericsConfig(Model):
     """Precision and step of the motion."""
 
     precision: Literal["float64", "float32"] = "float64"
@@ -193,7 +110,7 @@ class NumericsConfig(_Model):
     step: Literal["auto"] | Annotated[Time, _positive] = "auto"
 
 
-class Config(_Model):
+class Config(Model):
     """A study: a damper, how it is shaken, and the structure it sits on."""
 
     title: str = "Granular damper"
@@ -206,8 +123,9 @@ class Config(_Model):
     excitation: ExcitationConfig
     preparation: Literal["loose", "compacted", "carried"] = "compacted"
     steady_state: SteadyConfig = SteadyConfig()
+    effects: EffectsConfig = EffectsConfig()
     numerics: NumericsConfig = NumericsConfig()
-    seeds: Annotated[list[Annotated[StrictInt, Field(ge=0)]], Field(min_length=1)] = [1]
+    seeds: Annotated[list[Annotated[StrictInt, Field(ge=0)]], Field(min_length=1)] = [1]  # noqa: RUF012 - copied by pydantic
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 
@@ -218,10 +136,16 @@ class Config(_Model):
         path, data = self._source
         return ConfigError(f"{path}:{_place(data, key.split('.'))}: {key}: {message}")
 
+    def line(self, key: str) -> int | None:
+        """Line of a dotted key in the file that the configuration came from; None where it does not say it."""
+        if self._source is None:
+            return None
+        data, parts = self._source[1], key.split(".")
+        return int(_place(data, parts).split(":")[0]) if len(_keys(data, parts)) == len(parts) else None
+
     @model_validator(mode="after")
     def _consistent(self):
-        named = {"damper.enclosure.material": self.damper.enclosure.material}
-        named["damper.particles.material"] = self.damper.particles.material
+        named = self.damper.materials()
         if self.structure:
             named["structure.beam.material"] = self.structure.beam.material
         for place, name in named.items():
@@ -240,6 +164,14 @@ class Config(_Model):
             raise ValueError("preparation: a bed cannot be compacted without gravity; set preparation: loose")
         if len(set(self.seeds)) < len(self.seeds):
             raise ValueError("seeds: each seed once")
+        grains = [p.material for p in self.damper.mixture]
+        for key in self.contact.pairs:
+            for name in between(key):
+                if name != WALLS and name not in grains:
+                    raise ValueError(f"contact.pairs.{key}: there are no particles of '{name}'")
+        for name, missing in self.damper.enclosure.open_towards(self.excitation.gravity_direction).items():
+            if missing and 0 not in gravities:
+                raise ValueError(f"damper.enclosure.{name}: gravity draws the particles out where there is no {name}")
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
             raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
         return self

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,8 +18,10 @@ from .sweep import Axis, Point, as_list, axes, particle_mass
 if TYPE_CHECKING:
     import xarray as xr
 
+    from .shaking import Spec
 
-def assemble(config: Config, every: list[Point], values: dict) -> xr.Dataset:
+
+def assemble(config: Config, every: list[Point], specs: Iterable[Spec], values: dict) -> xr.Dataset:
     """Assemble the cases, in whatever order they came, on (frequency, gamma, swept scalars, seed)."""
     import xarray as xr
 
@@ -65,6 +68,8 @@ def assemble(config: Config, every: list[Point], values: dict) -> xr.Dataset:
     dataset = describe(dataset.transpose("mode", *dims, missing_dims="ignore"))
     dataset.attrs = {"title": config.title, **provenance(), "configuration": resolved_yaml(config)}
     dataset.attrs["seeds"] = np.array(config.seeds)
+    dataset.attrs["effects"] = "; ".join(sorted({str(spec.effects) for spec in specs}))
+    dataset.attrs["effects_forced_off"] = ", ".join(sorted({name for spec in specs for name in spec.forced_off}))
     return dataset
 
 

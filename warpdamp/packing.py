@@ -3,7 +3,7 @@
 ``loose``
     Made inside the closed cavity without overlap, then settled under gravity with the friction of the scene.
 ``compacted``
-    The loose bed shaken along the cavity's axis at six times the scene's gravity with an amplitude of a tenth of a
+    The loose bed shaken along gravity (up and down) at six times the scene's gravity with an amplitude of a tenth of a
     particle's diameter, in blocks of 20 cycles, each followed by rest; done, after 30 blocks at the least and 60 at
     most, when the mean height at rest over the last ten blocks is no more than a quarter of a percent of a diameter
     below that over the ten blocks before.  Half the steps a contact of the study are enough for that.  A bed that has
@@ -29,6 +29,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from . import PHYSICS_VERSION
+from .effects import Effects
 from .engine import Batch, Case
 from .guards import LARGEST_RESIDUAL, residual_share
 from .kernels.data import OK
@@ -160,6 +161,17 @@ def _stored(path: Path) -> Packing | None:
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         _log.warning("%s is damaged (%s); making the bed anew", path, error)
         return None
+
+
+def effects(request: Request) -> set[Effects]:
+    """All that kernels are compiled for while a bed is made."""
+    scenes = [request.scene, *_upright(request.scene)]
+    return {request.numerics.effects(scene, request.grains) for scene in scenes}
+
+
+def _upright(scene: Scene) -> list[Scene]:
+    """The scene under standard gravity along the axis, down and up."""
+    return [replace(scene, gravity=(0.0, 0.0, pull)) for pull in (-STANDARD_GRAVITY, STANDARD_GRAVITY)]
 
 
 def _make(request: Request) -> Packing:
@@ -301,7 +313,8 @@ def compact(scene: Scene, state: State, numerics: Numerics) -> tuple[State, int]
     gravity = float(np.linalg.norm(scene.gravity))
     acceleration = SHAKING_GAMMA * gravity
     frequency = math.sqrt(acceleration / (SHAKING_AMPLITUDE * diameter)) / (2 * math.pi)
-    shaken = scene.driven(Drive(frequency, acceleration))
+    up = tuple(-component / gravity for component in scene.gravity)
+    shaken = scene.driven(Drive(frequency, acceleration, up))
     heights = [_height(scene, state)]
     for block in range(1, MOST_BLOCKS + 1):
         steps = steps_per_cycle(shaken, state, steps_per_contact=numerics.steps_per_contact)
@@ -342,11 +355,12 @@ def _height(scene: Scene, state: State) -> float:
 def measured_clearance(scene: Scene, state: State, numerics: Numerics) -> float:
     """How far the centre of mass travels along the axis between rest on the floor and rest against the lid [m].
 
-    Standard gravity along the axis, down and then up, whatever the scene's own.
+    Standard gravity along the axis, down and then up, whatever the scene's own; not a number without floor or lid.
     """
+    if not (scene.enclosure.floor and scene.enclosure.lid):
+        return math.nan
     heights = []
-    for pull in (-STANDARD_GRAVITY, STANDARD_GRAVITY):
-        upright = Scene(**{**vars(scene), "gravity": (0.0, 0.0, pull)})
+    for upright in _upright(scene):
         state = settle(upright, state, numerics)
         heights.append(float(np.average(state.position[:, 2], weights=scene.masses(state))))
     return heights[1] - heights[0]

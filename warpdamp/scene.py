@@ -121,7 +121,9 @@ class Scene:
         n = len(self.materials)
         if not isinstance(self.particle_contact, Surface):
             rows = self.particle_contact
-            if [len(row) for row in rows] != [n] * n or any(rows[i][j] != rows[j][i] for i in range(n) for j in range(i)):
+            if [len(row) for row in rows] != [n] * n or any(
+                rows[i][j] != rows[j][i] for i in range(n) for j in range(i)
+            ):
                 raise ValueError(f"particle_contact must be {n} rows of {n} surfaces, the same for (i, j) and (j, i)")
         if not isinstance(self.wall_contact, Surface) and len(self.wall_contact) != n:
             raise ValueError(f"wall_contact must be one surface, or one for each of the {n} species")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .effects import Effects
+from .effects import Effects, called_for
 from .engine import Batch, Case
 from .guards import DEEPEST, LARGEST_RESIDUAL
 from .kernels.data import ESCAPED, NOT_FINITE, OK
@@ -75,6 +75,12 @@ class Spec:
     def effects(self) -> Effects:
         """What its kernels are compiled for."""
         return self.bed.numerics.effects(self.scene, self.bed.grains)
+
+    @property
+    def forced_off(self) -> list[str]:
+        """Effects that the scene calls for and the user forced off."""
+        called = called_for(self.scene, self.bed.grains)
+        return [name for name, on in self.bed.numerics.forced if not on and getattr(called, name)]
 
     def cost(self, criteria: Criteria) -> float:
         """Particle-steps that it takes at the least."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from functools import partial
@@ -23,6 +23,7 @@ from .sweep import Point, as_list, drive, grains, material, particle_mass, point
 if TYPE_CHECKING:
     import xarray as xr
 
+    from .effects import Effects
     from .modal.modes import Modes
     from .shaking import Criteria, Spec
 
@@ -131,20 +132,28 @@ def run(
     report("modes", 0.0)
     every = study_points(config)
     report("modes", 1.0)
-    specs = {}
-    for point in every:
-        specs |= _specs(config, point)
+    specs = every_spec(config, every)
     first = next(iter(specs.values()))
     for seed in config.seeds:  # a bed that cannot be made is refused before anything long starts
         _placed(config, partial(separate, first.bed.grains.radius, first.scene.enclosure, seed))
 
     report("kernels", 0.0)
-    warm_up(first.scene, first.effects)
+    for effects in sorted(every_effects(specs.values()), key=str):
+        warm_up(first.scene, effects)
     report("kernels", 1.0)
     with _processes(workers) as executor:
         values = _run_cases(config, specs, executor, report)
     _raise_if_all_failed(values)
-    return assemble(config, every, values)
+    return assemble(config, every, specs.values(), values)
+
+
+def every_effects(specs: Iterable[Spec]) -> set[Effects]:
+    """All that kernels are compiled for in a study."""
+    from .packing import effects
+
+    specs = list(specs)
+    beds = {spec.bed for spec in specs}
+    return {spec.effects for spec in specs}.union(*(effects(bed) for bed in beds))
 
 
 def _raise_if_all_failed(values: dict) -> None:
@@ -181,6 +190,14 @@ def study_points(config: Config) -> list[Point]:
     return every
 
 
+def every_spec(config: Config, every: list[Point] | None = None) -> dict[tuple[int, ...], Spec]:
+    """All cases of a study, by their index in (frequency, gamma, swept scalars, seed)."""
+    specs = {}
+    for point in every or study_points(config):
+        specs |= _specs(config, point)
+    return specs
+
+
 def _specs(config: Config, point: Point) -> dict[tuple[int, ...], Spec]:
     """All cases of a point, by their index in (frequency, gamma, swept scalars, seed)."""
     from .packing import Request
@@ -188,12 +205,12 @@ def _specs(config: Config, point: Point) -> dict[tuple[int, ...], Spec]:
     from .timestep import Numerics
 
     still, own = scene(point.config), grains(point.config)
-    numerics = Numerics(config.numerics.precision, config.numerics.steps_per_contact)
+    numerics = Numerics(config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced())
     paper = config.steady_state.recipe == "paper"
     specs = {}
     for i, frequency in enumerate(point.frequencies):
         for j, gamma in enumerate(as_list(config.excitation.gamma)):
-            driven = still.driven(drive(frequency, gamma))
+            driven = still.driven(drive(point.config, frequency, gamma))
             steps = _steps(config, driven, own)
             for k, seed in enumerate(config.seeds):
                 bed = Request(
@@ -303,24 +320,25 @@ def _finished(pending: dict[Future, float], report: Callable[[float], None]):
 
 
 def _batches(config: Config, specs: list[Spec]) -> list[tuple[list[list[Spec]], Criteria]]:
-    """Chains of cases in batches of equal criteria, sorted by cost."""
+    """Chains of cases in batches of equal criteria and effects, sorted by cost."""
     chains: dict[tuple, list[Spec]] = {}
     for spec in specs:
         own = (spec.index[0], *spec.index[2:]) if config.preparation == "carried" else spec.index
         chains.setdefault(own, []).append(spec)
 
-    groups: dict[Criteria, list[list[Spec]]] = {}
+    groups: dict[tuple[Criteria, Effects], list[list[Spec]]] = {}
     for chain in chains.values():
         chain.sort(key=lambda spec: spec.scene.drive.acceleration)
-        groups.setdefault(_criteria(config, chain[0]), []).append(chain)
+        groups.setdefault((criteria_of(config, chain[0]), chain[0].effects), []).append(chain)
     batches = []
-    for criteria, group in groups.items():
+    for (criteria, _), group in groups.items():
         group.sort(key=lambda chain: -sum(spec.cost(criteria) for spec in chain))
         batches += [(group[k : k + BATCH], criteria) for k in range(0, len(group), BATCH)]
     return sorted(batches, key=lambda b: -sum(spec.cost(b[1]) for chain in b[0] for spec in chain))
 
 
-def _criteria(config: Config, spec: Spec) -> Criteria:
+def criteria_of(config: Config, spec: Spec) -> Criteria:
+    """When a case is done."""
     from .shaking import Criteria, paper_criteria
 
     wanted = config.steady_state

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .config import Config
+from .config_damper import WALLS
 from .scene import STANDARD_GRAVITY, Cylinder, Drive, Grains, Material, Scene, Surface
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ UNITS = {
     "poissons_ratio": ("1", "Poisson's ratio"),
     "restitution": ("1", "coefficient of restitution"),
     "friction": ("1", "coefficient of friction"),
+    "rolling_friction": ("1", "coefficient of rolling friction"),
     "gravity": ("m s-2", "gravity"),
 }
 
@@ -70,7 +72,7 @@ def axes(config: Config) -> list[Axis]:
         found += [
             (path, tuple(value))
             for path, value in _leaves(values[section], (section,))
-            if isinstance(value, list) and path[-1] not in ("gamma", "frequency")
+            if isinstance(value, list) and path[-1] not in ("gamma", "frequency", "direction", "gravity_direction")
         ]
     for path, points in [*found, (("excitation", "gamma"), tuple(as_list(config.excitation.gamma)))]:
         if len(set(points)) < len(points):
@@ -101,8 +103,17 @@ def points(config: Config):
 
 
 def grains(config: Config) -> Grains:
-    """Radius and species of every particle."""
-    return Grains.alike(config.damper.particles.radius, config.damper.particles.count)
+    """Radius and species of every particle of a configuration."""
+    mixture, names = config.damper.mixture, _species(config)
+    return Grains(
+        tuple(float(r) for part in mixture for r in part.radii()),
+        tuple(names.index(part.material) for part in mixture for _ in range(part.count)),
+    )
+
+
+def _species(config: Config) -> list[str]:
+    """Names of the particles' materials, each once."""
+    return list(dict.fromkeys(part.material for part in config.damper.mixture))
 
 
 def material(config: Config, name: str) -> Material:
@@ -112,22 +123,30 @@ def material(config: Config, name: str) -> Material:
 
 def scene(config: Config) -> Scene:
     """The scene of a configuration without lists, enclosure at rest."""
-    damper, contact = config.damper, config.contact
-    surface = Surface(contact.restitution, contact.friction)
-    walls = contact.walls
+    contact, cavity, names = config.contact, config.damper.enclosure, _species(config)
+
+    def surface(one: str, other: str) -> Surface:
+        given = contact.pairs.get(f"{one} with {other}") or contact.pairs.get(f"{other} with {one}")
+        given = given or (contact.walls if other == WALLS and contact.walls else contact)
+        return Surface(given.restitution, given.friction, given.rolling_friction)
+
+    pairs = tuple(tuple(surface(one, other) for other in names) for one in names)
+    walls = tuple(surface(one, WALLS) for one in names)
+    materials = tuple(material(config, name) for name in names)
+    alone = len(names) == 1
     return Scene(
-        particle=material(config, damper.particles.material),
-        wall=material(config, damper.enclosure.material),
-        particle_contact=surface,
-        wall_contact=Surface(walls.restitution, walls.friction) if walls else surface,
-        enclosure=Cylinder(damper.enclosure.diameter, damper.enclosure.height),
-        gravity=(0.0, 0.0, -config.excitation.gravity),
+        particle=materials[0] if alone else materials,
+        wall=material(config, cavity.material),
+        particle_contact=pairs[0][0] if alone else pairs,
+        wall_contact=walls[0] if alone else walls,
+        enclosure=Cylinder(cavity.diameter, cavity.height, cavity.side, cavity.floor, cavity.lid),
+        gravity=tuple(config.excitation.gravity * part for part in config.excitation.gravity_direction),
     )
 
 
-def drive(frequency: float, gamma: float) -> Drive:
-    """Along the axis, with acceleration amplitude Gamma g."""
-    return Drive(frequency=frequency, acceleration=gamma * STANDARD_GRAVITY)
+def drive(config: Config, frequency: float, gamma: float) -> Drive:
+    """With acceleration amplitude Gamma g."""
+    return Drive(frequency, gamma * STANDARD_GRAVITY, config.excitation.direction)
 
 
 def particle_mass(config: Config) -> float:

@@ -97,7 +97,9 @@ class Transfer:
         c = self.types.Contacts()
         for name, variable in self.types.Contacts.vars.items():
             dtype = variable.type.dtype
-            table = wp.array(laws[name], dtype=dtype, device=DEVICE) if name in laws else self.array(values[name], dtype)
+            table = (
+                wp.array(laws[name], dtype=dtype, device=DEVICE) if name in laws else self.array(values[name], dtype)
+            )
             setattr(c, name, table)
         return c
 

@@ -9,7 +9,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from warpdamp import Batch, Case, Cylinder, Drive, Grains, Material, PackingError, Request, Scene, State, Surface, prepare
+from warpdamp import (
+    Batch,
+    Case,
+    Cylinder,
+    Drive,
+    Grains,
+    Material,
+    PackingError,
+    Request,
+    Scene,
+    State,
+    Surface,
+    prepare,
+)
 from warpdamp.effects import called_for
 from warpdamp.guards import DEEPEST, LARGEST_RESIDUAL, residual_share
 from warpdamp.kernels import data
