@@ -60,12 +60,11 @@ def test_runs_repeat_and_neither_stops_nor_readings_show(damper, loose_positions
 
 
 @pytest.mark.parametrize("skin", [0.02, 0.5])
-def test_the_neighbour_skin_never_changes_a_bit(damper, loose_positions, monkeypatch, skin):
+def test_the_neighbour_skin_never_changes_a_bit(damper, loose_positions, skin):
     case = bed_case(damper, loose_positions(2))
     usual = Batch([case], max_rows=2)
     usual.advance(case.steps_per_cycle)
-    monkeypatch.setattr(engine, "SKIN", skin)
-    other = Batch([case], max_rows=2)
+    other = Batch([case], max_rows=2, skin=skin)
     other.advance(case.steps_per_cycle)
     assert np.array_equal(usual.cycles(0).rows, other.cycles(0).rows)
 

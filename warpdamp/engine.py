@@ -21,7 +21,7 @@ from .timestep import check_step
 from .transfer import Transfer
 
 SKIN = 0.2
-"""Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results."""
+"""Usual extra reach of the neighbour lists, as a part of the smallest radius."""
 
 _NEVER = np.iinfo(np.int32).max
 
@@ -80,9 +80,11 @@ class Batch:
         Ledger rows to keep for each case, the one at the start included.
     effects : Effects or None
         What the kernels are compiled for.  None: all that the cases call for.
+    skin : float
+        Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results.
     """
 
-    def __init__(self, cases: list[Case], *, max_rows: int = 1, effects: Effects | None = None):
+    def __init__(self, cases: list[Case], *, max_rows: int = 1, effects: Effects | None = None, skin: float = SKIN):
         self.cases = list(cases)
         for case in self.cases:
             guards.check_values(case.state)
@@ -93,7 +95,7 @@ class Batch:
         self._count_pairs, self._list_pairs = neighbour_search(self.effects)
 
         self._transfer = Transfer(t, [case.state for case in self.cases])
-        self._max_rows = max_rows
+        self._max_rows, self._skin = max_rows, skin
         n, m = len(self._transfer), len(self.cases)
         counts = [len(case.state) for case in self.cases]
 
@@ -112,7 +114,7 @@ class Batch:
         self._counts = wp.zeros(n + 1, dtype=wp.int32, device=DEVICE)
 
         self._largest_radius = max(float(np.max(c.state.radius)) for c in self.cases)
-        self._cell = 2 * self._largest_radius * (1 + SKIN)
+        self._cell = 2 * self._largest_radius * (1 + skin)
         side = int(np.clip(2 * np.ceil(np.cbrt(max(counts))), 8, 128))
         self._grid = wp.HashGrid(side, side, side, device=DEVICE, dtype=self.effects.real)
         self._check_overlaps()
@@ -129,7 +131,7 @@ class Batch:
             "rows": self._max_rows,
             "cycle": case.steps_per_cycle or _NEVER,
             "dt": case.dt,
-            "skin": SKIN * float(np.min(state.radius)),
+            "skin": self._skin * float(np.min(state.radius)),
             "gravity": t.vec3(*scene.gravity),
             "direction": t.vec3(*(drive.direction if drive else (0.0, 0.0, 1.0))),
             "acceleration": drive.acceleration if drive else 0.0,
