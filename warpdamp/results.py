@@ -108,6 +108,25 @@ def provenance() -> dict:
     }
 
 
+def read(path: Path) -> xr.Dataset:
+    """Results of a run, from their file into memory.
+
+    Raises
+    ------
+    OSError
+        If the file is not there, is no netCDF file, or holds no results.
+    """
+    import xarray as xr
+
+    try:
+        dataset = xr.load_dataset(path)
+    except ValueError:
+        raise OSError(f"{path}: is no netCDF file") from None
+    if "effectiveness" not in dataset:
+        raise OSError(f"{path}: is no results file of warpdamp (it has no effectiveness)")
+    return dataset
+
+
 def write(dataset: xr.Dataset, path: Path) -> None:
     """Write a netCDF file so that a reader finds the old file or the new one, never a part."""
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=".writing-") as folder:

@@ -25,6 +25,8 @@ from . import ModalError
 
 FEWEST_POINTS = 5
 """In a band: two straight lines have four coefficients."""
+NEAR = 1.2
+"""A peak within this factor of where it is looked for is the one meant."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class Fit:
     damping_ratio_error: float = np.nan
 
 
-def half_power_band(frequency, accelerance, near: float, between=(0.0, np.inf)) -> slice:
+def half_power_band(frequency, accelerance, near: float) -> slice:
     """The points round the peak next to ``near`` whose accelerance is at least 1 / sqrt 2 of the peak's.
 
     Parameters
@@ -54,31 +56,32 @@ def half_power_band(frequency, accelerance, near: float, between=(0.0, np.inf)) 
     frequency : (n,) increasing array [Hz]
     accelerance : (n,) complex array
     near : [Hz]
-    between : lowest and highest frequency of the search for the peak [Hz]
 
     Raises
     ------
     ModalError
-        If the band is cut off by the data's end, or holds too few points.
+        If there is no peak that stands out by 3 dB within 20 % of ``near``, or if its band holds too few points.
     """
+    from scipy.signal import find_peaks
+
     frequency, size = np.asarray(frequency), np.abs(accelerance)
-    inside = np.flatnonzero((frequency > between[0]) & (frequency < between[1]))
-    if not len(inside):
-        raise ModalError(f"no data near {near:g} Hz: the FRF reaches from {frequency[0]:g} to {frequency[-1]:g} Hz")
-    peak = inside[np.argmax(size[inside])]
+    peaks, _ = find_peaks(np.log(size), prominence=np.log(2) / 2)
+    away = np.abs(np.log(frequency[peaks] / near))
+    if not len(peaks) or away.min() > np.log(NEAR):
+        known = ", ".join(f"{f:.4g}" for f in frequency[peaks]) or "none"
+        raise ModalError(
+            f"no peak near {near:g} Hz that falls by 3 dB on both sides; the FRF's peaks: {known} "
+            f"(data from {frequency[0]:.4g} to {frequency[-1]:.4g} Hz)"
+        )
+    peak = int(peaks[np.argmin(away)])
     low = size < size[peak] / np.sqrt(2)
-    below, above = np.flatnonzero(low[:peak]), np.flatnonzero(low[peak:])
-    if not len(below) or not len(above):
+    first, last = int(np.flatnonzero(low[:peak])[-1]) + 1, int(peak + np.flatnonzero(low[peak:])[0])
+    if last - first < FEWEST_POINTS:
         raise ModalError(
-            f"the peak near {near:g} Hz is cut off: measure until the FRF has fallen by 3 dB on both sides"
+            f"only {last - first} points in the half-power band near {near:g} Hz: "
+            f"measure with steps of at most {(frequency[last] - frequency[first - 1]) / 10:.2g} Hz"
         )
-    band = slice(int(below[-1]) + 1, int(peak + above[0]))
-    if band.stop - band.start < FEWEST_POINTS:
-        raise ModalError(
-            f"only {band.stop - band.start} points in the half-power band near {near:g} Hz: "
-            f"measure with steps of at most {(frequency[band.stop] - frequency[band.start - 1]) / 10:.2g} Hz"
-        )
-    return band
+    return slice(first, last)
 
 
 def line_fit(frequency, accelerance) -> Fit:

@@ -111,14 +111,17 @@ class Structure:
         return (2 * np.pi * self.frequency) ** 2 * (1 + 2j * self.damping_ratio)
 
 
-def accelerance(dataset: xr.Dataset, gamma=None, frequency=None, *, structure: Structure | None = None) -> xr.Dataset:
+def accelerance(
+    dataset: xr.Dataset, gamma=None, frequency=None, *, band=None, structure: Structure | None = None
+) -> xr.Dataset:
     """Accelerance at controlled Gamma, as a shaker controller measures it.
 
     Parameters
     ----------
     dataset : results of a study, swept scalars selected
     gamma : amplitudes (default: those of the results)
-    frequency : [Hz] (default: dense round every resonance, from half the lowest to 1.25 times the highest)
+    frequency : [Hz] (default: dense round every resonance in the band)
+    band : lowest and highest frequency [Hz] (default: from half the lowest mode to 1.25 times the highest)
     structure : default: the study's own
 
     Returns
@@ -140,7 +143,7 @@ def accelerance(dataset: xr.Dataset, gamma=None, frequency=None, *, structure: S
         raise ModalError(f"gamma: the results reach from {mass.gamma[0]:g} to {mass.gamma[-1]:g}, {gamma} does not fit")
     resonance = np.array([own.resonances(mass, g) for g in gamma])  # (gamma, 2, mode)
     if frequency is None:
-        frequency = _grid(resonance, _band(own))
+        frequency = _grid(resonance, band or _band(own))
     frequency = np.asarray(frequency, float)
     response = 1 / (own.dynamic_mass(frequency) + mass(frequency, gamma[:, None]))
     out = xr.Dataset(
@@ -215,6 +218,29 @@ def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: Structu
     return describe(out)
 
 
+def chosen(dataset: xr.Dataset, choices: list[str]) -> xr.Dataset:
+    """The results at given values of their swept scalars, each choice as ``friction=0.5``.
+
+    Raises
+    ------
+    ModalError
+        If there is no such axis or value; says which there are.
+    """
+    for choice in choices:
+        name, _, value = choice.partition("=")
+        if name not in dataset.dims or name in ("frequency", "gamma", "mode", "seed"):
+            raise ModalError(f"{choice}: the results have no swept scalar '{name}'")
+        have = dataset[name].values
+        try:
+            nearest = int(np.argmin(np.abs(have - float(value))))
+        except ValueError:
+            raise ModalError(f"{choice}: expected a number after '='") from None
+        if not np.isclose(have[nearest], float(value), rtol=1e-6):
+            raise ModalError(f"{choice}: choose from {', '.join(f'{v:g}' for v in have)}")
+        dataset = dataset.isel({name: nearest})
+    return dataset
+
+
 def complex_accelerance(frf: xr.Dataset) -> xr.DataArray:
     """Accelerance [m s^-2 N^-1] as complex numbers, which netCDF does not hold."""
     return frf["accelerance_real"] + 1j * frf["accelerance_imaginary"]
@@ -233,7 +259,8 @@ def _bounded(own: Structure, mass: ComplexMass, force: float, frequency) -> None
     if not 0 < force < needed[k]:
         raise ModalError(
             f"a force of {force:g} N drives the damper above Gamma {highest:g}, the highest in the results, at "
-            f"{frequency[k]:.4g} Hz: take a force between 0 and {needed[k]:.3g} N, or run with larger gamma"
+            f"{frequency[k]:.4g} Hz: take a force between 0 and {needed[k]:.3g} N or another band, "
+            "or run with larger gamma"
         )
 
 

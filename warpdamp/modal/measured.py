@@ -92,11 +92,10 @@ def fits(frf: xr.Dataset, near=None) -> xr.Dataset:
 
 def fit_curve(frequency, accelerance, near) -> tuple[dict[tuple[Method, int], Fit], list[str]]:
     """Fits of one FRF by (method, number of the peak from 0), and what could not be fitted, in sentences."""
-    edges = np.concatenate([[0.0], np.sqrt(near[1:] * near[:-1]), [np.inf]])
     found, bands, errors = {}, {}, []
     for mode, place in enumerate(near):
         try:
-            band = half_power_band(frequency, accelerance, place, (edges[mode], edges[mode + 1]))
+            band = half_power_band(frequency, accelerance, place)
         except ModalError as error:
             errors.append(str(error))
             continue
