@@ -216,6 +216,25 @@ def test_a_sweep_is_corrected_along_its_axes(beam):
     np.testing.assert_allclose(found.isel(friction=1), corrected(beam)["corrected_natural_frequency"])
 
 
+def test_modes_may_come_in_any_order(beam):
+    """A configuration may list modes as [5, 1, 3]: the same numbers, in that order."""
+    order = [2, 0, 1]
+    mixed = beam.isel(mode=order, frequency=order)
+    xr.testing.assert_allclose(corrected(mixed), corrected(beam).isel(mode=order), rtol=1e-12)
+    mixed, plain = accelerance(mixed, [3.0]), accelerance(beam, [3.0])
+    xr.testing.assert_allclose(mixed, plain.isel(mode=order), rtol=1e-9)
+
+
+def test_one_seed_and_a_failed_case_are_no_hindrance(beam):
+    one = beam.isel(seed=[0])
+    one["apparent_mass"] = one["apparent_mass"].where((one["gamma"] != 3) | (one["frequency"] > 100))
+    found = corrected(one)
+    assert np.isnan(found["corrected_natural_frequency"].sel(gamma=3)).values.tolist() == [True, False, False]
+    assert found["corrected_natural_frequency_standard_error"].isnull().all()
+    assert 3 not in ComplexMass.of(one).gamma
+    assert np.isfinite(complex_accelerance(accelerance(one, [3.0]))).all()
+
+
 def test_the_papers_appendix():
     """0.200 is the real modes' at r_k 1.41, 0.154 the rigid limit, 0.2037 = (2 / pi) 0.32 leaves the mass out."""
     assert two_mass.real_mode(0.32, 1.41)[1] == pytest.approx(0.200, abs=5e-4)

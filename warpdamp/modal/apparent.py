@@ -37,7 +37,8 @@ def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
     quadrature = dataset["harmonic_work"] / (np.pi * acceleration * dataset["displacement"])
     found = dataset[["apparent_mass"]].assign(quadrature_mass=quadrature)
     mean = found.mean("seed", skipna=False)
-    error = found.std("seed", ddof=1, skipna=False) / np.sqrt(dataset.sizes["seed"])
+    n = dataset.sizes["seed"]
+    error = found.std("seed", ddof=1, skipna=False) / np.sqrt(n) if n > 1 else np.nan * mean
     for name in ("apparent_mass", "quadrature_mass"):
         mean[f"{name}_standard_error"] = error[name]
     return describe(mean)
@@ -108,9 +109,8 @@ def loaded_modes(frequency, amplitude, extra) -> tuple[np.ndarray, np.ndarray]:
     Parameters
     ----------
     frequency, amplitude : (..., m) arrays [Hz], [kg^-0.5]
-        In increasing order of frequency.
     extra : (..., m) array [kg]
-        The mass that each mode feels.
+        The mass that each mode feels; NaN gives NaN.
 
     Returns
     -------
@@ -123,18 +123,21 @@ def loaded_modes(frequency, amplitude, extra) -> tuple[np.ndarray, np.ndarray]:
         If more mass is taken away than a mode has.
     """
     frequency, amplitude, extra = np.broadcast_arrays(frequency, amplitude, extra)
-    count = frequency.shape[-1]
+    count, known = frequency.shape[-1], np.isfinite(extra)
     w = 2 * np.pi * frequency
     lean = amplitude / w  # in the coordinates y = w q the problem is symmetric: (W^-1 M W^-1) y = y / w^2
     bare, attached = np.eye(count) / w[..., None] ** 2, lean[..., :, None] * lean[..., None, :]
-    found = np.empty((2, *frequency.shape))
+    rank = np.argsort(np.argsort(-frequency, axis=-1), axis=-1)  # mass does not change the order of modes
+    found, added = np.empty((2, *frequency.shape)), np.where(known, extra, 0.0)
     for r in range(count):
-        inverse, vectors = np.linalg.eigh(bare + extra[..., r, None, None] * attached)  # ascending: the lowest is last
+        inverse, vectors = np.linalg.eigh(bare + added[..., r, None, None] * attached)  # ascending: the lowest is last
         if np.any(inverse[..., 0] <= 0):
             raise ModalError("more mass is taken away than the structure's modes have: give the mass of the particles")
-        k = count - 1 - r
-        found[0, ..., r] = 1 / np.sqrt(inverse[..., k])
-        found[1, ..., r] = found[0, ..., r] * np.einsum("...i,...i->...", lean, vectors[..., :, k])
+        k = rank[..., r, None]
+        found[0, ..., r] = 1 / np.sqrt(np.take_along_axis(inverse, k, axis=-1)[..., 0])
+        vector = np.take_along_axis(vectors, k[..., None, :], axis=-1)[..., 0]
+        found[1, ..., r] = found[0, ..., r] * np.einsum("...i,...i->...", lean, vector)
+    found[:, ~known] = np.nan
     return found[0] / (2 * np.pi), np.copysign(found[1], amplitude)
 
 

@@ -92,13 +92,13 @@ class Structure:
         Eigenvalues w^2 (1 + j eta) of (diag w_r^2 (1 + j eta_r), I + phi phi^T dm), dm taken at the frequency found.
         """
         found = []
-        for r, own in enumerate(self.frequency):
+        for own, rank in zip(self.frequency, np.argsort(np.argsort(self.frequency)), strict=True):
             frequency, before = float(own), 0.0
             for _ in range(100):
                 extra = mass(frequency, gamma) - self.particle_mass
                 loaded = np.eye(len(self.frequency)) + extra * np.outer(self.amplitude, self.amplitude)
                 square = np.linalg.eigvals(np.linalg.solve(loaded, np.diag(self._stiffness)))
-                square = square[np.argsort(square.real)][r]
+                square = square[np.argsort(square.real)][rank]
                 frequency, before = float(np.sqrt(square.real) / (2 * np.pi)), frequency
                 if abs(frequency - before) < 1e-12 * frequency:
                     break

@@ -216,6 +216,8 @@ class _Plane:
         while True:
             point = line[-1]
             reach, outside = self._inside(point, tangent, step)
+            if reach < SHORTEST_STEP:
+                return np.array(line), False
             new = self.corrected(point + reach * tangent, tangent)
             new_tangent = None if new is None else self._tangent(new, tangent)
             if new is None or new_tangent @ tangent < SHARPEST_TURN or np.hypot(*(new - point)) > 2 * reach + 1e-9:
