@@ -39,6 +39,10 @@ _HOMES = {
     "Surface": "scene",
     "curves": "plot",
     "peaks": "optimum",
+    "corrected": "modal.apparent",
+    "accelerance": "modal.frf",
+    "constant_force": "modal.frf",
+    "fits": "modal.measured",
 }
 
 if TYPE_CHECKING:
@@ -51,6 +55,10 @@ if TYPE_CHECKING:
     from .engine import Simulation as Simulation
     from .guards import SimulationError as SimulationError
     from .ledger import Ledger as Ledger
+    from .modal.apparent import corrected as corrected
+    from .modal.frf import accelerance as accelerance
+    from .modal.frf import constant_force as constant_force
+    from .modal.measured import fits as fits
     from .optimum import peaks as peaks
     from .packing import PackingError as PackingError
     from .packing import Request as Request

@@ -106,23 +106,84 @@ def plot(
 ) -> None:
     """Draw the curves of a results file."""
     with _one_line_errors():
-        import xarray as xr
-
         from .plot import curves, save
+        from .results import read
 
-        target = output or file.with_suffix(".png")
-        if target.suffix not in (".png", ".pdf", ".svg"):
-            raise OSError(f"{target}: name a file that ends in .png, .pdf or .svg")
-        _writable(target.parent)
-        try:
-            dataset = xr.open_dataset(file)
-        except ValueError:
-            raise OSError(f"{file}: is no netCDF file") from None
-        with dataset:
-            if "effectiveness" not in dataset:
-                raise OSError(f"{file}: is no results file of warpdamp (it has no effectiveness)")
-            save(curves(dataset), target)
+        target = _picture(output or file.with_suffix(".png"))
+        save(curves(read(file)), target)
     print(target)
+
+
+def _newtons(text: str) -> float:
+    from .units import to_si
+
+    try:
+        return to_si(text, "N")
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
+@app.command()
+def frf(
+    file: Annotated[Path, typer.Argument(help="Results of a run with a structure.", metavar="RESULTS.nc")],
+    constant_force: Annotated[
+        list[float] | None,
+        typer.Option(
+            parser=_newtons,
+            metavar="FORCE",
+            help="Amplitude of the force, as '50 mN'; may be repeated (default: controlled Gamma).",
+        ),
+    ] = None,
+    band: Annotated[tuple[float, float] | None, typer.Option(help="Lowest and highest frequency [Hz].")] = None,
+    at: Annotated[list[str] | None, typer.Option(help="Value of a swept scalar, as friction=0.5.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help=".nc for the data, .png for a picture (default: beside FILE).")
+    ] = None,
+) -> None:
+    """Accelerance of the structure with its damper: at controlled Gamma, or every branch at constant force."""
+    with _one_line_errors():
+        from .modal import frf as response
+        from .plot_frf import families, force_curves
+        from .results import read
+
+        target = output or file.with_name(f"{file.stem}-frf.png")
+        dataset = response.chosen(read(file), at or [])
+        if constant_force:
+            found, draw = response.constant_force(dataset, constant_force, band), force_curves
+        else:
+            found, draw = response.accelerance(dataset, band=band), families
+        _save(found, draw, target)
+    print(target)
+
+
+@app.command()
+def fit(
+    file: Annotated[Path, typer.Argument(help="FRF: .nc of `warpdamp frf`, .csv, .uff.", metavar="FRF")],
+    near: Annotated[
+        list[float] | None,
+        typer.Option(help="Frequency near a mode's peak [Hz]; may be repeated (default: every peak)."),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help=".nc for the data, .png for a picture over Gamma.")
+    ] = None,
+) -> None:
+    """Frequency and damping of an FRF's modes: line fit, Dobson, circle fit, least squares."""
+    from rich.console import Console
+
+    with _one_line_errors():
+        from .modal.measured import fits, read_frf
+        from .plot_frf import fitted_curves
+        from .report import fits_table
+
+        found = fits(read_frf(file), near)
+        if output:
+            if output.suffix != ".nc" and "gamma" not in found.dims:
+                raise OSError(f"{output}: one FRF has nothing to draw over Gamma: name a file that ends in .nc")
+            _save(found, fitted_curves, output)
+    console = Console()
+    console.print(fits_table(found))
+    for line in found.attrs["refused"]:
+        console.print(line, highlight=False)
 
 
 @app.command()
@@ -138,10 +199,11 @@ def _one_line_errors():
     """What a user can mend comes as one line and exit status 2; anything else is a bug and keeps its traceback."""
     from .config import ConfigError
     from .guards import SimulationError
+    from .modal import ModalError
 
     try:
         yield
-    except (ConfigError, SimulationError, OSError) as error:
+    except (ConfigError, SimulationError, ModalError, OSError) as error:
         print(error if isinstance(error, ConfigError) else f"warpdamp: {error}", file=sys.stderr)
         raise typer.Exit(2) from None
 
@@ -151,6 +213,26 @@ def _writable(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     if not os.access(folder, os.W_OK):
         raise PermissionError(f"{folder}: cannot be written")
+
+
+def _picture(target: Path) -> Path:
+    """A file that a picture can be written to."""
+    if target.suffix not in (".png", ".pdf", ".svg"):
+        raise OSError(f"{target}: name a file that ends in .png, .pdf or .svg")
+    _writable(target.parent)
+    return target
+
+
+def _save(dataset, draw, target: Path) -> None:
+    """The data or their picture, as the file's suffix says."""
+    from .plot import save
+    from .results import write
+
+    if target.suffix == ".nc":
+        _writable(target.parent)
+        write(dataset, target)
+    else:
+        save(draw(dataset), _picture(target))
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -67,6 +68,30 @@ def _line_head(dataset, at, modal):
     own = dataset[["natural_frequency", "mode_amplitude"]]
     own = own.sel({name: v for name, v in at.items() if name in own.dims})
     return f"{at['mode']}", f"{float(own['natural_frequency']):.2f}", f"{float(own['mode_amplitude']):.4f}"
+
+
+def fits_table(fitted: xr.Dataset) -> Table:
+    """Per mode: frequency and damping ratio by every method, with standard errors; over several Gammas without."""
+    several = "gamma" in fitted.dims
+    methods = [str(name) for name in fitted["fit"].values]
+    table = _table("mode", *(["Γ"] if several else []), "f [Hz]", *methods)
+    table.title = "natural frequency by least squares; damping ratio [%] by method"
+    for mode, gamma in itertools.product(fitted["mode"].values, fitted["gamma"].values if several else [None]):
+        at = fitted.sel(mode=mode) if gamma is None else fitted.sel(mode=mode, gamma=gamma)
+        rows = [at.sel(fit=name) for name in methods]
+        best = rows[-1]
+        values = [(best["fitted_frequency"], best["fitted_frequency_standard_error"])]
+        values += [(100 * r["fitted_damping_ratio"], 100 * r["fitted_damping_ratio_standard_error"]) for r in rows]
+        cells = [_value(value, np.nan if several else error) for value, error in values]
+        table.add_row(f"{mode}", *([f"{gamma:g}"] if several else []), *cells)
+    return table
+
+
+def _value(value, error) -> str:
+    """A number, with its standard error where there is one."""
+    if np.isnan(value):
+        return "-"
+    return f"{float(value):.5g}" + (f" ± {float(error):.1g}" if np.isfinite(error) else "")
 
 
 def verdicts(dataset: xr.Dataset) -> list[str]:

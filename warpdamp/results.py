@@ -44,6 +44,32 @@ VARIABLES = {
     "natural_frequency": ("Hz", "natural frequency with the particles' mass"),
     "mode_amplitude": ("kg-0.5", "mass-normalised mode shape at the damper"),
     "modal_mass": ("kg", "1 / phi^2 at the damper"),
+    # corrected for the mass that the structure feels (modal/apparent.py)
+    "apparent_mass_standard_error": ("kg", "standard error of the apparent mass"),
+    "quadrature_mass": ("kg", "mass in quadrature m'' = W / (pi w^2 X^2): the complex mass is m' - j m''"),
+    "quadrature_mass_standard_error": ("kg", "standard error of the mass in quadrature"),
+    "empty_natural_frequency": ("Hz", "natural frequency without the particles"),
+    "corrected_natural_frequency": ("Hz", "natural frequency with the particles' apparent mass"),
+    "corrected_natural_frequency_standard_error": ("Hz", "standard error of the corrected natural frequency"),
+    "corrected_mode_amplitude": ("kg-0.5", "mass-normalised mode shape at the damper, with the apparent mass"),
+    "strain_energy": ("J", "largest strain energy of a cycle, the particles taken as rigid (eq. 11)"),
+    "corrected_strain_energy": ("J", "largest strain energy of a cycle at the corrected natural frequency"),
+    "corrected_damping_ratio": ("1", "modal damping ratio with the corrected strain energy"),
+    # frequency response (modal/frf.py)
+    "accelerance_real": ("m s-2 N-1", "accelerance at the damper, in phase with the force"),
+    "accelerance_imaginary": ("m s-2 N-1", "accelerance at the damper, in quadrature"),
+    "resonance_frequency": ("Hz", "natural frequency with the damper linearised at this Gamma"),
+    "resonance_damping_ratio": ("1", "damping ratio with the damper linearised at this Gamma"),
+    "force": ("N", "amplitude of the force"),
+    "branch": ("1", "number of the branch of the response"),
+    "response_gamma": ("1", "acceleration amplitude of the response over g"),
+    "stable": ("1", "whether the state is stable"),
+    "fitted_frequency": ("Hz", "natural frequency fitted to the FRF"),
+    "fitted_frequency_standard_error": ("Hz", "standard error of the fitted natural frequency"),
+    "fitted_damping_ratio": ("1", "damping ratio fitted to the FRF"),
+    "fitted_damping_ratio_standard_error": ("1", "standard error of the fitted damping ratio"),
+    "fitted_modal_constant": ("kg-1", "size of the modal constant fitted to the FRF"),
+    "within_range": ("1", "whether Gamma lies in the range of the damper's results"),
 }
 INTEGERS = ("compaction_blocks", "cycles", "cycles_discarded", "steps", "status")
 
@@ -81,6 +107,25 @@ def provenance() -> dict:
         "references": "Terzioglu & Rongong, Selection of granular damper parameters to achieve optimum vibration "
         "attenuation on vibrating structures",
     }
+
+
+def read(path: Path) -> xr.Dataset:
+    """Results of a run, from their file into memory.
+
+    Raises
+    ------
+    OSError
+        If the file is not there, is no netCDF file, or holds no results.
+    """
+    import xarray as xr
+
+    try:
+        dataset = xr.load_dataset(path)
+    except ValueError:
+        raise OSError(f"{path}: is no netCDF file") from None
+    if "effectiveness" not in dataset:
+        raise OSError(f"{path}: is no results file of warpdamp (it has no effectiveness)")
+    return dataset
 
 
 def write(dataset: xr.Dataset, path: Path) -> None:

@@ -1,0 +1,296 @@
+"""Frequency response of a structure with a granular damper: accelerance at controlled Gamma and at constant force.
+
+The force acts where the damper sits, as the shaker does in the experiment.  The structure is the sum of its modes, the
+damper a complex mass on top of the rigid one that the modes carry: with H the receptance of the modes and
+dm = m_app(f, Gamma) - m, the force that unit acceleration takes is the dynamic mass
+
+    Z(f, Gamma) = 1 / A = dm - 1 / (w^2 H(w)).
+
+At controlled Gamma this is a linear FRF for every Gamma.  At constant force, Z(f, Gamma) Gamma g = F is harmonic
+balance: see ``response``.  Modes that are not given are left out: no residuals.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..results import describe
+from ..scene import STANDARD_GRAVITY
+from . import ModalError
+from .apparent import ComplexMass, inherent_damping, particle_mass, require_modes
+from .response import branches
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from .modes import Modes
+
+BACKGROUND = 60
+"""Frequencies per octave between resonances."""
+ROUND_A_RESONANCE = 25
+"""Frequencies on each modal circle, evenly spaced along it."""
+PER_DECADE = 40
+"""Amplitudes per decade in the search for branches."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A structure as its modes show it at the damper's point.
+
+    Parameters
+    ----------
+    frequency : (m,) array [Hz]
+    amplitude : (m,) array of mass-normalised mode shapes [kg^-0.5]
+    damping_ratio : (m,) array, hysteretic: loss factor eta = 2 zeta
+    particle_mass : mass of the particles already in the modes [kg]
+    """
+
+    frequency: np.ndarray
+    amplitude: np.ndarray
+    damping_ratio: np.ndarray
+    particle_mass: float
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> Structure:
+        """The modes of a study's results, with the damping that the bare structure was given.
+
+        Raises
+        ------
+        ModalError
+            If the results have no modes.
+        """
+        require_modes(dataset)
+        return cls(
+            dataset["natural_frequency"].values,
+            dataset["mode_amplitude"].values,
+            inherent_damping(dataset).values,
+            float(particle_mass(dataset)),
+        )
+
+    @classmethod
+    def of_modes(cls, modes: Modes, damping_ratio, particle_mass: float) -> Structure:
+        """Any modes; ``particle_mass`` is what they carry of the particles, 0 if nothing."""
+        damping = np.broadcast_to(np.asarray(damping_ratio, float), modes.frequency.shape)
+        return cls(modes.frequency, modes.amplitude, damping, particle_mass)
+
+    def receptance(self, frequency) -> np.ndarray:
+        """H = sum phi^2 / (w_r^2 (1 + j eta) - w^2) [m/N] at frequencies [Hz]."""
+        w = 2 * np.pi * np.asarray(frequency, float)[..., None]
+        return np.sum(self.amplitude**2 / (self._stiffness - w**2), axis=-1)
+
+    def dynamic_mass(self, frequency) -> np.ndarray:
+        """Force per acceleration [kg] without the particles; add their complex mass."""
+        w = 2 * np.pi * np.asarray(frequency, float)
+        return -self.particle_mass - 1 / (w**2 * self.receptance(frequency))
+
+    def resonances(self, mass: ComplexMass, gamma: float) -> tuple[np.ndarray, np.ndarray]:
+        """Natural frequencies [Hz] and damping ratios with the damper linearised at a Gamma, by complex modes.
+
+        Eigenvalues w^2 (1 + j eta) of (diag w_r^2 (1 + j eta_r), I + phi phi^T dm), dm taken at the frequency found.
+        """
+        found = []
+        for own, rank in zip(self.frequency, np.argsort(np.argsort(self.frequency)), strict=True):
+            frequency, before = float(own), 0.0
+            for _ in range(100):
+                extra = mass(frequency, gamma) - self.particle_mass
+                loaded = np.eye(len(self.frequency)) + extra * np.outer(self.amplitude, self.amplitude)
+                square = np.linalg.eigvals(np.linalg.solve(loaded, np.diag(self._stiffness)))
+                square = square[np.argsort(square.real)][rank]
+                frequency, before = float(np.sqrt(square.real) / (2 * np.pi)), frequency
+                if abs(frequency - before) < 1e-12 * frequency:
+                    break
+            found.append((frequency, square.imag / square.real / 2))
+        frequencies, ratios = np.array(found).T
+        return frequencies, ratios
+
+    @property
+    def _stiffness(self) -> np.ndarray:
+        return (2 * np.pi * self.frequency) ** 2 * (1 + 2j * self.damping_ratio)
+
+
+def accelerance(
+    dataset: xr.Dataset, gamma=None, frequency=None, *, band=None, structure: Structure | None = None
+) -> xr.Dataset:
+    """Accelerance at controlled Gamma, as a shaker controller measures it.
+
+    Parameters
+    ----------
+    dataset : results of a study, swept scalars selected
+    gamma : amplitudes (default: those of the results)
+    frequency : [Hz] (default: dense round every resonance in the band)
+    band : lowest and highest frequency [Hz] (default: from half the lowest mode to 1.25 times the highest)
+    structure : default: the study's own
+
+    Returns
+    -------
+    xarray.Dataset
+        ``accelerance_real`` and ``accelerance_imaginary`` on (gamma, frequency); on (mode, gamma) the frequency and
+        damping ratio of every resonance with the damper linearised there.
+
+    Raises
+    ------
+    ModalError
+        If the results have no modes or swept scalars left, or if a Gamma is outside their range.
+    """
+    import xarray as xr
+
+    mass, own = ComplexMass.of(dataset), structure or Structure.of(dataset)
+    gamma = mass.gamma if gamma is None else np.atleast_1d(np.asarray(gamma, float))
+    if not mass.within(gamma).all():
+        raise ModalError(f"gamma: the results reach from {mass.gamma[0]:g} to {mass.gamma[-1]:g}, {gamma} does not fit")
+    resonance = np.array([own.resonances(mass, g) for g in gamma])  # (gamma, 2, mode)
+    if frequency is None:
+        frequency = _grid(resonance, band or _band(own))
+    frequency = np.asarray(frequency, float)
+    response = 1 / (own.dynamic_mass(frequency) + mass(frequency, gamma[:, None]))
+    out = xr.Dataset(
+        {
+            "accelerance_real": (("gamma", "frequency"), response.real),
+            "accelerance_imaginary": (("gamma", "frequency"), response.imag),
+            "resonance_frequency": (("mode", "gamma"), resonance[:, 0].T),
+            "resonance_damping_ratio": (("mode", "gamma"), resonance[:, 1].T),
+        },
+        {
+            "gamma": ("gamma", gamma, {"units": "1", "long_name": "acceleration amplitude over g"}),
+            "frequency": ("frequency", frequency, {"units": "Hz", "long_name": "excitation frequency"}),
+            "mode": ("mode", _mode_numbers(dataset, own), {"units": "1", "long_name": "mode"}),
+        },
+    )
+    out.attrs = _attributes(dataset, "accelerance at controlled Gamma")
+    return describe(out)
+
+
+def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: Structure | None = None) -> xr.Dataset:
+    """Response to harmonic forces of constant amplitude: every branch, stable or not.
+
+    Parameters
+    ----------
+    dataset : results of a study, swept scalars selected
+    forces : amplitude, or amplitudes [N]
+    band : lowest and highest frequency [Hz] (default: from half the lowest mode to 1.25 times the highest)
+    structure : default: the study's own
+
+    Returns
+    -------
+    xarray.Dataset
+        On ``point``, in the order in which each branch is followed: ``force``, ``branch``, ``excitation_frequency``,
+        ``response_gamma``, the accelerance, ``stable``, and ``within_range``: whether Gamma lies in the results' range
+        (below it, the values at their lowest Gamma are used).
+
+    Raises
+    ------
+    ModalError
+        If the results have no modes or swept scalars left, or if a force drives the damper above their highest Gamma.
+    """
+    import xarray as xr
+
+    mass, own = ComplexMass.of(dataset), structure or Structure.of(dataset)
+    resonance = np.array([own.resonances(mass, g) for g in mass.gamma])
+    frequency = _grid(resonance, band or _band(own))
+
+    def damper(f, acceleration):  # rounding may carry the edge of the grid past the highest Gamma
+        return mass(f, np.minimum(acceleration / STANDARD_GRAVITY, mass.gamma[-1]))
+
+    rows = []
+    for force in np.atleast_1d(np.asarray(forces, float)):
+        _bounded(own, mass, force, frequency)
+        quiet = force / np.abs(own.dynamic_mass(frequency) + mass(frequency, mass.gamma[0]))
+        lowest = 0.5 * min(quiet.min(), mass.gamma[0] * STANDARD_GRAVITY)
+        highest = mass.gamma[-1] * STANDARD_GRAVITY
+        count = 2 + int(PER_DECADE * np.log10(highest / lowest))
+        found = branches(own.dynamic_mass, damper, force, frequency, np.geomspace(lowest, highest, count))
+        for number, branch in enumerate(found, start=1):
+            response = branch.amplitude / force * np.exp(1j * branch.phase)
+            rows.append((force, number, branch, response))
+    names = ("force", "branch", "excitation_frequency", "response_gamma", "accelerance_real", "accelerance_imaginary")
+    columns = {name: [] for name in (*names, "stable", "within_range")}
+    for force, number, branch, response in rows:
+        level = branch.amplitude / STANDARD_GRAVITY
+        same = np.ones(len(level))
+        values = (force * same, number * same.astype(int), branch.frequency, level, response.real, response.imag)
+        for name, value in zip(columns, (*values, branch.stable, mass.within(level)), strict=True):
+            columns[name].append(value)
+    out = xr.Dataset({name: ("point", np.concatenate(parts)) for name, parts in columns.items()})
+    out.attrs = _attributes(dataset, "response at constant force")
+    return describe(out)
+
+
+def chosen(dataset: xr.Dataset, choices: list[str]) -> xr.Dataset:
+    """The results at given values of their swept scalars, each choice as ``friction=0.5``.
+
+    Raises
+    ------
+    ModalError
+        If there is no such axis or value; says which there are.
+    """
+    for choice in choices:
+        name, _, value = choice.partition("=")
+        if name not in dataset.dims or name in ("frequency", "gamma", "mode", "seed"):
+            raise ModalError(f"{choice}: the results have no swept scalar '{name}'")
+        have = dataset[name].values
+        try:
+            nearest = int(np.argmin(np.abs(have - float(value))))
+        except ValueError:
+            raise ModalError(f"{choice}: expected a number after '='") from None
+        if not np.isclose(have[nearest], float(value), rtol=1e-6):
+            raise ModalError(f"{choice}: choose from {', '.join(f'{v:g}' for v in have)}")
+        dataset = dataset.isel({name: nearest})
+    return dataset
+
+
+def complex_accelerance(frf: xr.Dataset) -> xr.DataArray:
+    """Accelerance [m s^-2 N^-1] as complex numbers, which netCDF does not hold."""
+    return frf["accelerance_real"] + 1j * frf["accelerance_imaginary"]
+
+
+def _bounded(own: Structure, mass: ComplexMass, force: float, frequency) -> None:
+    """Refuse a force whose response leaves the range of Gamma.
+
+    Raises
+    ------
+    ModalError
+    """
+    highest = mass.gamma[-1]
+    needed = highest * STANDARD_GRAVITY * np.abs(own.dynamic_mass(frequency) + mass(frequency, highest))
+    k = int(np.argmin(needed))
+    if not 0 < force < needed[k]:
+        raise ModalError(
+            f"a force of {force:g} N drives the damper above Gamma {highest:g}, the highest in the results, at "
+            f"{frequency[k]:.4g} Hz: take a force between 0 and {needed[k]:.3g} N or another band, "
+            "or run with larger gamma"
+        )
+
+
+def _band(own: Structure) -> tuple[float, float]:
+    return 0.5 * float(own.frequency.min()), 1.25 * float(own.frequency.max())
+
+
+def _grid(resonance: np.ndarray, band) -> np.ndarray:
+    """Frequencies evenly spaced in the logarithm, and evenly spaced along the modal circle of every resonance.
+
+    Parameters
+    ----------
+    resonance : (gamma, 2, mode) array
+        Frequencies [Hz] and damping ratios.
+    band : lowest and highest [Hz]
+    """
+    background = np.geomspace(*band, 2 + int(BACKGROUND * np.log2(band[1] / band[0])))
+    angle = np.radians(np.linspace(-86, 86, ROUND_A_RESONANCE))
+    centre, damping = resonance[:, 0].ravel(), np.maximum(resonance[:, 1].ravel(), 1e-6)
+    square = 1 + 2 * damping[:, None] * np.tan(angle)  # w^2 = w_r^2 (1 + 2 zeta tan(angle))
+    close = centre[:, None] * np.sqrt(np.where(square > 0, square, np.nan))
+    every = np.concatenate([background, close[np.isfinite(close)]])
+    return np.unique(every[(every >= band[0]) & (every <= band[1])])
+
+
+def _mode_numbers(dataset: xr.Dataset, own: Structure) -> np.ndarray:
+    named = "mode" in dataset and dataset.sizes["mode"] == len(own.frequency)
+    return dataset["mode"].values if named else np.arange(1, len(own.frequency) + 1)
+
+
+def _attributes(dataset: xr.Dataset, what: str) -> dict:
+    title = dataset.attrs.get("title", "")
+    return {**dataset.attrs, "title": f"{title}: {what}" if title else what}
