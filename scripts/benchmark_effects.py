@@ -40,6 +40,7 @@ class Deleted(ast.NodeTransformer):
         self.effects = effects
 
     def visit_If(self, node):
+        """Keep the branch taken."""
         self.generic_visit(node)
         test = node.test
         if isinstance(test, ast.Call) and ast.unparse(test.func) == "wp.static":

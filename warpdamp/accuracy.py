@@ -1,8 +1,8 @@
 """What accuracy costs: one scene, or a few points of a sweep, along each numerical choice.
 
 Every variation of a choice runs from the same beds for the same number of cycles, and its per-cycle energies are kept;
-errors, costs, budget and cheapest settings are all read off those series.  The reference of a point is its finest step in
-float64 over all its beds and cycles, and has a standard error of its own.
+errors, costs, budget and cheapest settings are all read off those series.  The reference of a point is its finest step
+in float64 over all its beds and cycles, and has a standard error of its own.
 """
 
 from __future__ import annotations

@@ -25,6 +25,7 @@ from .config_damper import (
     Model,
     between,
 )
+from .tolerance import FEWEST_PACKINGS, PRESETS
 from .units import Length, Mass, Number, Time
 
 _positive, _not_negative = Field(gt=0), Field(ge=0)
@@ -102,6 +103,25 @@ class SteadyConfig(Model):
         return self
 
 
+class AccuracyConfig(Model):
+    """Accuracy bought: the runner chooses the step, how long each case runs, and how many packings a point gets.
+
+    ``tolerance`` is the standard error of the energy per cycle with all its parts.
+    """
+
+    tolerance: Annotated[Number, Field(gt=0, le=0.5)]
+    most_packings: Annotated[StrictInt, Field(ge=FEWEST_PACKINGS, le=100)] = 8
+
+    @model_validator(mode="before")
+    @classmethod
+    def _preset(cls, value):
+        if not isinstance(value, str):
+            return value
+        if value not in PRESETS:
+            raise ValueError(f"'{value}' is not one of {', '.join(PRESETS)}; or give tolerance: 2 %")
+        return {"tolerance": PRESETS[value]}
+
+
 class NumericsConfig(Model):
     """Precision and step of the motion."""
 
@@ -123,6 +143,7 @@ class Config(Model):
     excitation: ExcitationConfig
     preparation: Literal["loose", "compacted", "carried"] = "compacted"
     steady_state: SteadyConfig = SteadyConfig()
+    accuracy: AccuracyConfig | None = None
     effects: EffectsConfig = EffectsConfig()
     numerics: NumericsConfig = NumericsConfig()
     seeds: Annotated[list[Annotated[StrictInt, Field(ge=0)]], Field(min_length=1)] = [1]  # noqa: RUF012 - copied by pydantic

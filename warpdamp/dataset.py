@@ -11,9 +11,10 @@ import numpy as np
 
 from .config import Config
 from .modal.damping import damping_ratio, normalised_damping
-from .results import INTEGERS, describe, provenance
+from .results import INTEGERS, NOT_RUN, describe, provenance
 from .scene import STANDARD_GRAVITY
 from .sweep import Axis, Point, as_list, axes, particle_mass
+from .tolerance import SMALLEST_EFFECTIVENESS, combined
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,6 +48,9 @@ def assemble(config: Config, every: list[Point], specs: Iterable[Spec], values: 
     if swept and len({tuple(p.frequencies) for p in every}) > 1:
         coords["frequency"][2]["comment"] = "of the first combination; see excitation_frequency for each"
     dataset = xr.Dataset(data, coords)
+    ran = (dataset["status"] != NOT_RUN).any([dim for dim in dims if dim != "seed"])
+    dataset = dataset.isel(seed=ran.values)
+    dataset = dataset.merge(answers(dataset, config.accuracy.tolerance if config.accuracy else None))
 
     point_dims = ("frequency", *(axis.name for axis in swept))
     own = np.empty(tuple(len(dataset[d]) for d in point_dims))
@@ -95,21 +99,41 @@ def _modal(config: Config, every: list[Point], dataset: xr.Dataset, swept: list[
         1.0, to_mode(dataset["displacement"]), modal["mode_amplitude"], modal["natural_frequency"]
     )
     inherent = xr.DataArray(config.structure.inherent(), dims="mode", coords={"mode": modal["mode"]})
-    energy = to_mode(dataset["energy_dissipated"])
-    modal["damping_ratio"] = per_joule * energy.mean("seed", skipna=False) + inherent
-    modal["damping_ratio_standard_error"] = per_joule * _combined_error(
-        energy, to_mode(dataset["energy_dissipated_standard_error"])
-    )
+    modal["damping_ratio"] = per_joule * to_mode(dataset["energy_mean"]) + inherent
+    modal["damping_ratio_standard_error"] = per_joule * to_mode(dataset["energy_mean_standard_error"])
     return modal.drop_vars("frequency", errors="ignore")
 
 
-def _combined_error(mean: xr.DataArray, error: xr.DataArray) -> xr.DataArray:
-    """Standard error of the mean over seeds: by the spread of the seeds, and never below their own errors' share."""
-    n = mean.sizes["seed"]
-    within = np.sqrt((error**2).sum("seed", skipna=False)) / n
-    if n == 1:
-        return within
-    return np.maximum(within, mean.std("seed", ddof=1, skipna=False) / math.sqrt(n))
+def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
+    """Mean over the packings of every point, what it is worth, and whether that is what was asked for."""
+    import xarray as xr
+
+    values = {name: dataset[name].transpose(..., "seed") for name in ("energy_dissipated", *_PARTS)}
+    status = dataset["status"].transpose(..., "seed").values
+    dims = values["energy_dissipated"].dims[:-1]
+    names = ("energy_mean", "energy_mean_standard_error", "energy_mean_interval", "packings", "within_tolerance")
+    out = {name: np.full(status.shape[:-1], -1 if name in INTEGERS else np.nan) for name in names}
+    for at in np.ndindex(status.shape[:-1]):
+        ran = status[at] != NOT_RUN
+        mean, error, degrees, step = (array.values[at][ran] for array in values.values())
+        answer = combined(mean, error, degrees)
+        left = float(np.mean(step))
+        total = math.hypot(answer.standard_error, left)
+        out["energy_mean"][at] = answer.mean
+        out["energy_mean_standard_error"][at] = total
+        out["energy_mean_interval"][at] = math.hypot(answer.interval, 2 * left)
+        out["packings"][at] = answer.packings
+        smallest = SMALLEST_EFFECTIVENESS * float(dataset["maximum_energy"].transpose(..., "seed").values[at][ran][0])
+        if tolerance is not None:
+            out["within_tolerance"][at] = total <= max(tolerance * answer.mean, smallest)
+    if tolerance is None:
+        del out["within_tolerance"]
+    return xr.Dataset(
+        {name: (dims, array.astype(np.int64) if name in INTEGERS else array) for name, array in out.items()}
+    )
+
+
+_PARTS = ("energy_dissipated_standard_error", "degrees_of_freedom", "discretisation_error")
 
 
 def resolved_yaml(config: Config) -> str:

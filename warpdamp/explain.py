@@ -121,7 +121,9 @@ def _line(config: Config, key: str, value: str) -> str:
 def explain(config: Config, *, workers: int | None = None) -> str:
     """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled."""
     from .study import every_spec
+    from .tolerance import applied
 
+    config = applied(config)
     specs = list(every_spec(config).values())
     sets: dict[Effects, Spec] = {}
     for spec in specs:

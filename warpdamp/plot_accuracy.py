@@ -65,7 +65,8 @@ def _panel(ax, runs, errors):
         )
     counts = [k for k in (5, 10, 20, 40, 80, 160) if k <= length // 4]
     means = np.array(averaged(own, counts))
-    ax.plot(1.5 * means[:, 0] * per_cycle, means[:, 1], "v-", ms=4, lw=1, label="cycles averaged, one bed")
+    if len(means):
+        ax.plot(1.5 * means[:, 0] * per_cycle, means[:, 1], "v-", ms=4, lw=1, label="cycles averaged, one bed")
     cuts = [k for k in (0, 2, 5, 10, 20, 40, 80) if k < length // 3]
     ax.plot(
         [(k + length / 2) * per_cycle for k in cuts],

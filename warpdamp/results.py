@@ -20,6 +20,17 @@ if TYPE_CHECKING:
 VARIABLES = {
     "energy_dissipated": ("J", "energy dissipated per cycle"),
     "energy_dissipated_standard_error": ("J", "standard error of the energy dissipated per cycle"),
+    "energy_dissipated_interval": (
+        "J",
+        "half-width of the 95 % interval of the energy per cycle, by the averaging alone",
+    ),
+    "degrees_of_freedom": ("1", "of the standard error of the energy dissipated per cycle"),
+    "discretisation_error": ("J", "error of the energy per cycle by the step, estimated from the ledger's residual"),
+    "energy_mean": ("J", "energy dissipated per cycle, mean over packings"),
+    "energy_mean_standard_error": ("J", "standard error of the mean: packings, averaging and step"),
+    "energy_mean_interval": ("J", "half-width of the 95 % interval of the mean"),
+    "packings": ("1", "packings that the mean is over"),
+    "within_tolerance": ("1", "whether the mean's standard error is within accuracy.tolerance (1) or not (0)"),
     "effectiveness": ("1", "energy dissipated per cycle over that of the ideal impact damper (eqs 4, 5)"),
     "effectiveness_standard_error": ("1", "standard error of the effectiveness"),
     **{f"{name}_loss": ("J", f"energy lost per cycle: {name.replace('_', ' ')}") for name in CHANNELS},
@@ -71,7 +82,10 @@ VARIABLES = {
     "fitted_modal_constant": ("kg-1", "size of the modal constant fitted to the FRF"),
     "within_range": ("1", "whether Gamma lies in the range of the damper's results"),
 }
-INTEGERS = ("compaction_blocks", "cycles", "cycles_discarded", "steps", "status")
+NOT_RUN = -1
+"""Stands in integer variables for a case that was not run."""
+
+INTEGERS = ("packings", "within_tolerance", "compaction_blocks", "cycles", "cycles_discarded", "steps", "status")
 
 
 def describe(dataset: xr.Dataset) -> xr.Dataset:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from .ledger import Ledger, apparent_mass, harmonic_work, maximum_energy
 from .packing import Request, prepare
 from .scene import Drive, Scene, State
 from .steady import Status, Steady, steady
+from .tolerance import RESIDUAL_FACTOR, SMALLEST_EFFECTIVENESS, student
 
 FIRST_LOOKS, LOOKS = 10, 1.25
 """A series is looked at every ten cycles at first, and later whenever it has grown by a quarter."""
@@ -24,9 +25,6 @@ BALANCE = 0.01
 """In steady state the work put in, the work of the reaction's first harmonic and the dissipation agree to this part of
 the dissipation.  A bed that sinks or swells while its dissipation looks steady is not steady: at 730 Hz beds
 sink for hundreds of cycles."""
-
-SMALLEST_EFFECTIVENESS = 1e-3
-"""Energies below this part of the ideal damper's count as nothing: no error is relative to less."""
 
 PAPER_SETTLING, PAPER_SHAKING = 0.2, 0.3
 """Times of the paper's own recipe [s]; the last two thirds of the shaking are averaged."""
@@ -149,7 +147,7 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
         discarded = cycles // 3
         judged = steady(series[discarded:], fewest=cycles, floor=smallest)
         balanced = _balanced(ledger.between(discarded, cycles), drive, smallest)
-        average = Steady(judged.mean, judged.standard_error, discarded, judged.drifting or not balanced)
+        average = replace(judged, discarded=discarded, drifting=judged.drifting or not balanced)
     else:
         average = _settled(ledger, drive, criteria.fewest * 2 // 3, smallest)
     precise = average.standard_error <= max(criteria.standard_error * average.mean, smallest)
@@ -159,6 +157,9 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
     return values | {
         "energy_dissipated": average.mean,
         "energy_dissipated_standard_error": average.standard_error,
+        "energy_dissipated_interval": average.standard_error * student(average.degrees),
+        "degrees_of_freedom": average.degrees,
+        "discretisation_error": RESIDUAL_FACTOR * values["ledger_residual"] * average.mean,
         "status": int(_status(values, average, precise)),
         "cycles": cycles,
         "cycles_discarded": average.discarded,
@@ -188,7 +189,7 @@ def _settled(ledger: Ledger, drive: Drive, fewest: int, smallest: float) -> Stea
         average = steady(series, fewest=fewest, floor=smallest, earliest=earliest)
         if _balanced(ledger.between(average.discarded, n), drive, smallest):
             return average
-    return Steady(average.mean, average.standard_error, average.discarded, drifting=True)
+    return replace(average, drifting=True)
 
 
 def _balanced(window: Ledger, drive: Drive, smallest: float) -> bool:

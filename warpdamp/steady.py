@@ -53,12 +53,14 @@ class Steady:
     ----------
     mean, standard_error : in the series' unit
     discarded : number of values cut off at the start
+    degrees : degrees of freedom of the standard error
     drifting : whether the values kept still change by more than chance allows
     """
 
     mean: float
     standard_error: float
     discarded: int
+    degrees: float
     drifting: bool
 
 
@@ -93,9 +95,12 @@ def standard_error(series) -> float:
 
     The sample variance of correlated values is too small by about tau / n; it is corrected for.
     """
-    n = len(series)
-    effective = max(1.5, n / autocorrelation_time(series))
-    return float(np.std(series) / math.sqrt(effective - 1))
+    return float(np.std(series) / math.sqrt(degrees_of_freedom(series)))
+
+
+def degrees_of_freedom(series) -> float:
+    """One less than the number of uncorrelated values that a series is worth, at least a half."""
+    return max(1.5, len(series) / autocorrelation_time(series)) - 1
 
 
 def steady(series, *, fewest: int, floor: float = 0.0, earliest: int = 0) -> Steady:
@@ -118,6 +123,7 @@ def steady(series, *, fewest: int, floor: float = 0.0, earliest: int = 0) -> Ste
         mean=float(kept.mean()),
         standard_error=standard_error(kept),
         discarded=discarded,
+        degrees=degrees_of_freedom(kept),
         drifting=bool(change > DRIFT * chance and change > floor),
     )
 

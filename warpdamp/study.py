@@ -19,6 +19,7 @@ from .config import Config, load
 from .dataset import assemble
 from .scene import STANDARD_GRAVITY
 from .sweep import Point, as_list, drive, grains, material, particle_mass, points, scene
+from .tolerance import applied, first_round, next_round
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,6 +48,7 @@ def shortened(config: Config) -> Config:
         "title": f"{config.title} (quick look)",
         "excitation": config.excitation.model_copy(update={"gamma": [gammas[k] for k in few]}),
         "seeds": config.seeds[:1],
+        "accuracy": None,
         "preparation": "loose",
         "steady_state": config.steady_state.model_copy(
             update={name: QUICK[name] for name in ("fewest_cycles", "most_cycles")}
@@ -126,8 +128,7 @@ def run(
         config = load(config)
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be at least 1, got {workers}")
-    if quick:
-        config = shortened(config)
+    config = applied(shortened(config) if quick else config)
 
     report("modes", 0.0)
     every = study_points(config)
@@ -141,8 +142,12 @@ def run(
     for effects in sorted(every_effects(specs.values()), key=str):
         warm_up(first.scene, effects)
     report("kernels", 1.0)
+    values = {}
     with _processes(workers) as executor:
-        values = _run_cases(config, specs, executor, report)
+        todo = first_round(config, specs)
+        while todo:
+            values |= _run_cases(config, todo, executor, report)
+            todo = next_round(config, specs, values)
     _raise_if_all_failed(values)
     return assemble(config, every, specs.values(), values)
 

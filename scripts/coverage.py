@@ -1,0 +1,108 @@
+"""Whether the claimed intervals hold: 120 cases against what the same case does much longer; writes docs/coverage.nc.
+
+    python scripts/coverage.py
+
+Beds of 30 to 120 spheres at the paper's fill, three packings each, frequencies 40-400 Hz and Gamma 1.5-12 drawn at
+random.  A case runs as a study with a tolerance would run it; the reference is the mean over at least ten times as many
+cycles after those.  About a quarter of an hour on two cores.
+"""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from warpdamp import Batch, Case, Cylinder, Drive, Grains, Material, Scene, Surface
+from warpdamp.ledger import maximum_energy
+from warpdamp.packing import Request, prepare
+from warpdamp.results import write
+from warpdamp.shaking import Criteria, Spec, shake
+from warpdamp.steady import standard_error
+from warpdamp.timestep import Numerics, steps_per_cycle
+from warpdamp.tolerance import plan
+
+ROOT = Path(__file__).parents[1]
+RADIUS, TOLERANCE = 3.73e-3, 0.05
+COUNTS, SEEDS, DRAWS = (30, 60, 90, 120), (1, 2, 3), 10
+LONGER, FEWEST_LONGER, MOST = 10, 400, 600
+
+
+def bed(count: int, seed: int) -> Request:
+    """A compacted bed at the paper's fill."""
+    pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    size = 0.04 * (count / 120) ** (1 / 3)
+    scene = Scene(pmma, pmma, surface, surface, Cylinder(size, size))
+    return Request(
+        scene, Grains.alike(RADIUS, count), seed, numerics=Numerics(steps_per_contact=_plan().steps_per_contact)
+    )
+
+
+def _plan():
+    return plan(TOLERANCE)
+
+
+def drawn() -> list[Spec]:
+    """The cases."""
+    rng = np.random.default_rng(20)
+    specs = []
+    for count in COUNTS:
+        for seed in SEEDS:
+            request = bed(count, seed)
+            for _ in range(DRAWS):
+                frequency, gamma = 40 * 10 ** rng.uniform(0, 1), rng.uniform(1.5, 12)
+                scene = request.scene.driven(Drive(frequency, 9.81 * gamma))
+                n = steps_per_cycle(scene, request.grains, steps_per_contact=_plan().steps_per_contact)
+                specs.append(Spec((len(specs),), scene, n, request))
+    return specs
+
+
+def compare(spec: Spec) -> dict:
+    """What a case claims, and what it does afterwards."""
+    chosen = _plan()
+    ((_, claim),) = shake([[spec]], Criteria(chosen.standard_error, chosen.fewest_cycles, MOST))
+    cycles = claim["cycles"]
+    total = cycles + max(FEWEST_LONGER, LONGER * cycles)
+    batch = Batch([Case(spec.scene, prepare(spec.bed).state, spec.dt)], max_rows=total + 1, effects=spec.effects)
+    batch.advance(total * spec.steps_per_cycle)
+    later = batch.cycles(0).per_cycle()[cycles:]
+    largest = maximum_energy(spec.scene.drive, float(np.sum(spec.scene.masses(spec.bed.grains))))
+    return {
+        "count": len(spec.bed.grains),
+        "seed": spec.bed.seed,
+        "frequency": spec.scene.drive.frequency,
+        "gamma": spec.scene.drive.acceleration / 9.81,
+        "claimed": claim["energy_dissipated"] / largest,
+        "interval": claim["energy_dissipated_interval"] / largest,
+        "status": claim["status"],
+        "cycles": cycles,
+        "reference": float(later.mean()) / largest,
+        "reference_standard_error": standard_error(later) / largest,
+    }
+
+
+def main() -> None:
+    """Run all and keep them."""
+    specs = drawn()
+    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as executor:
+        beds = {spec.bed.key(): spec.bed for spec in specs}
+        for future in as_completed([executor.submit(prepare, request) for request in beds.values()]):
+            future.result()
+        found = list(executor.map(compare, specs))
+    names = list(found[0])
+    cases = xr.Dataset({name: ("case", np.array([row[name] for row in found])) for name in names})
+    cases.attrs["title"] = (
+        f"Claimed 95 % intervals at a tolerance of {100 * TOLERANCE:g} %, and what cases do afterwards"
+    )
+    write(cases, ROOT / "docs" / "coverage.nc")
+    inside = abs(cases["claimed"] - cases["reference"]) <= cases["interval"]
+    steady = cases["status"] == 0
+    print(f"{int((inside & steady).sum())} of {int(steady.sum())} steady cases inside")
+
+
+if __name__ == "__main__":
+    main()
