@@ -130,16 +130,17 @@ def _write(rows, bare, share, full, full_moving, simplest):
         "# What each effect costs",
         "",
         f"Written by `python scripts/benchmark_effects.py` on {platform.machine()}, Python {platform.python_version()}; "
-        "nanoseconds of processor time per particle-step, medians; float64 unless said otherwise.  All effects of the "
-        f"paper's scene together: **{full:.0f} ns** on the frozen contacts, {full_moving:.0f} ns in the paper's scene "
-        f"at Gamma 6.  The simplest law (no friction, no dashpots, no gravity, losses in total) takes {simplest:.0f} ns, "
-        f"**{100 * share:.0f} %** of the full one on the same contacts (asked for: at most {100 * LIMIT:.0f} %).",
+        "nanoseconds of processor time per particle-step, medians; float64 unless said otherwise.  All effects of "
+        f"the paper's scene together: **{full:.0f} ns** on the frozen contacts, {full_moving:.0f} ns in the paper's "
+        "scene at Gamma 6.  The simplest law (no friction, no dashpots, no gravity, losses in total) takes "
+        f"{simplest:.0f} ns, **{100 * share:.0f} %** of the full one on the same contacts (asked for: at most "
+        f"{100 * LIMIT:.0f} %).",
         "",
         "![bars](effects.png)",
         "",
-        "Frozen: the same contacts in both columns, so their difference is what the effect costs.  Scene: the bed moves "
-        "as the effects let it, so that the number of contacts changes, too.  `precision` off is float32; friction off "
-        "takes rotation along, as in a scene without friction.",
+        "Frozen: the same contacts in both columns, so their difference is what the effect costs.  Scene: the bed "
+        "moves as the effects let it, so that the number of contacts changes, too.  `precision` off is float32; "
+        "friction off takes rotation along, as in a scene without friction.",
         "",
         "| effect | frozen, off | frozen, on | costs | scene, off | scene, on |",
         "|---|---|---|---|---|---|",

@@ -1,8 +1,8 @@
 """Accuracy bought by tolerance: the step, the length and the packings that an error asked for takes.
 
-The tolerance is the standard error of the energy per cycle, all parts together: step, averaging, packing.  The step is
-chosen beforehand, so that its error is a third of the tolerance at most; each case then runs until its own standard error
-is what is left, and a point that its packings do not agree on well enough gets more of them.
+The tolerance is the standard error of the energy per cycle, all parts together: step, averaging, packing.  The step
+is chosen beforehand, so that its error is a third of the tolerance at most; each case then runs until its own standard
+error is what is left, and a point that its packings do not agree on well enough gets more of them.
 """
 
 from __future__ import annotations
