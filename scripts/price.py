@@ -2,9 +2,9 @@
 
     python scripts/price.py
 
-The main job on every third of its amplitudes, both ways in one run, from the same beds.  The fixed length is the shortest
-with which every case would have the standard error that the tolerance gives it: the longest that any steady case took.
-About twenty minutes on two cores.
+The main job on every third of its amplitudes, both ways in one run, from the same beds.  The fixed length is the
+shortest with which every case would have the standard error that the tolerance gives it: the longest that any steady
+case took.  About twenty minutes on two cores.
 """
 
 from __future__ import annotations

@@ -76,6 +76,39 @@ def explain(
 
 
 @app.command()
+def accuracy(
+    config: ConfigArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")] = Path("results"),
+    cycles: Annotated[int, typer.Option(min=30, help="Cycles of every run.")] = 120,
+    points: Annotated[int, typer.Option(min=2, help="Points of the study to take, at most.")] = 6,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes (default: all cores).")] = None,
+) -> None:
+    """Study what accuracy costs: each numerical choice varied at a few points of a study."""
+    with _one_line_errors():
+        from . import study
+        from .accuracy import points_of
+        from .accuracy import study as vary
+        from .config import load
+        from .plot import save
+        from .plot_accuracy import budget, work_precision
+        from .report import accuracy_table
+        from .results import write
+
+        checked = load(config)
+        _writable(output)
+        with _progress() as report, study.processes(workers) as executor:
+            runs = vary(points_of(checked, points), lambda _: cycles, executor, report=lambda d: report("runs", d))
+        path = output / f"{config.stem}-accuracy.nc"
+        write(runs, path)
+        save(work_precision(runs), path.with_suffix(".png"))
+        save(budget(runs), path.with_name(f"{path.stem}-budget.png"))
+    from rich.console import Console
+
+    Console().print(accuracy_table(runs))
+    print(path)
+
+
+@app.command()
 def modes(config: ConfigArgument) -> None:
     """Show the structure's modes, without and with the particles' mass."""
     from rich.console import Console

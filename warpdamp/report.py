@@ -9,6 +9,7 @@ import numpy as np
 
 from .optimum import peaks
 from .packing import MOST_BLOCKS
+from .results import NOT_RUN
 from .steady import Status
 
 if TYPE_CHECKING:
@@ -87,6 +88,28 @@ def fits_table(fitted: xr.Dataset) -> Table:
     return table
 
 
+def accuracy_table(runs: xr.Dataset) -> Table:
+    """Of an accuracy study: the cheapest settings for 10, 5, 2 and 1 %, and what they cost, at every point."""
+    from .accuracy import chance, cheapest, step_errors, systematic
+
+    tolerances = (0.1, 0.05, 0.02, 0.01)
+    table = _table("point", *(f"{100 * t:g} %" for t in tolerances))
+    errors = systematic(runs)
+    for p in range(runs.sizes["point"]):
+        own = chance(runs["effectiveness"].isel(point=p).sel(variation="steps_per_contact=24").values)
+        steps = step_errors(errors.isel(point=p))
+        cells = []
+        for tolerance in tolerances:
+            best = cheapest(steps, own, tolerance)
+            cells.append(
+                "not reached"
+                if best is None
+                else f"{best[0]:g} steps, {best[1]} packings x {best[2]} cycles: {best[3]:.2g} core-s"
+            )
+        table.add_row(f"{float(runs['frequency'][p]):.4g} Hz, Γ {float(runs['gamma'][p]):g}", *cells)
+    return table
+
+
 def _value(value, error) -> str:
     """A number, with its standard error where there is one."""
     if np.isnan(value):
@@ -97,9 +120,11 @@ def _value(value, error) -> str:
 def verdicts(dataset: xr.Dataset) -> list[str]:
     """How the cases ended, worst first, in sentences; and how well the ledger closed."""
     status = dataset["status"].values
-    lines = [
-        f"{np.sum(status == s)} of {status.size} cases: {s.meaning}" for s in reversed(Status) if np.any(status == s)
-    ]
+    ran = np.sum(status != NOT_RUN)
+    lines = [f"{np.sum(status == s)} of {ran} cases: {s.meaning}" for s in reversed(Status) if np.any(status == s)]
+    if "within_tolerance" in dataset:
+        within = dataset["within_tolerance"].values
+        lines.append(f"{within.sum()} of {within.size} points are within the tolerance, with {_packings(dataset)}")
     stopped = dataset["compaction_blocks"] >= MOST_BLOCKS
     if stopped.any():
         lines.append(
@@ -109,6 +134,11 @@ def verdicts(dataset: xr.Dataset) -> list[str]:
     if np.isfinite(residual).any():
         lines.append(f"energy ledger: residual at most {100 * np.nanmax(residual):.2g} % of the dissipation")
     return lines
+
+
+def _packings(dataset: xr.Dataset) -> str:
+    fewest, most = int(dataset["packings"].min()), int(dataset["packings"].max())
+    return f"{fewest} packings each" if fewest == most else f"{fewest} to {most} packings each"
 
 
 def _table(*columns) -> Table:

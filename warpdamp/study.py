@@ -143,7 +143,7 @@ def run(
         warm_up(first.scene, effects)
     report("kernels", 1.0)
     values = {}
-    with _processes(workers) as executor:
+    with processes(workers) as executor:
         todo = first_round(config, specs)
         while todo:
             values |= _run_cases(config, todo, executor, report)
@@ -264,7 +264,7 @@ def _steps(config: Config, driven, own) -> int:
 
 
 @contextmanager
-def _processes(workers: int | None) -> Iterator[Executor]:
+def processes(workers: int | None) -> Iterator[Executor]:
     """Processes, started fresh: Warp does not promise that its runtime survives a fork.
 
     A fresh process imports the script that was started.  The workers do not need it, and a script that calls ``run``
