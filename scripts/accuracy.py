@@ -105,8 +105,8 @@ def step_section(runs, errors) -> list[str]:
         *table(["point", *(f"N = {n}" for n in steps), "slope"], rows),
         "",
         f"Ratio of the bound to the residual at N = 10: {min(ratios):.1f} to {max(ratios):.1f}; a study takes "
-        f"{RESIDUAL_FACTOR:g} times the residual as a case's step error, and {100 * STEP_ERROR:g} % at 24 steps when it "
-        "chooses the step beforehand.",
+        f"{RESIDUAL_FACTOR:g} times the residual as a case's step error, and {100 * STEP_ERROR:g} % at 24 steps "
+        "when it chooses the step beforehand.",
         "",
     ]
 

@@ -1,0 +1,78 @@
+"""The benchmark as a document: what was measured, on what machine, with which versions."""
+
+import importlib.metadata
+import os
+import platform
+import statistics
+import time
+
+import warpdamp
+
+from .peers import PEERS, version
+
+HEAD = """# Benchmark
+
+Written by `scripts/benchmark.py --document`. Medians of several rounds, smallest and largest in brackets. Times of
+stepping are processor time without start-up, compiling and the making of batches; the codes run in turn, so that ratios
+are of the same minutes. Times of starting and of two cores are wall times and need an idle machine.
+
+"""
+
+HOW = """
+## What is compared
+
+All codes start from the same bed at rest, one of another seed in each round, and take the same step for ten cycles: 120
+spheres of PMMA in a 40 x 40 mm cylinder, 46 Hz, Gamma 6, 2e-6 s. Their decks are in `scripts/peers`, and take every
+number of the scene from the same two files. LAMMPS and LIGGGHTS have no account of the energy for this: their decks sum
+the power put in, at every step as warpdamp's ledger does, or lean, every ten steps. YADE has a tally of its own, and is
+lean without it.
+
+The laws differ in detail, and a shaken bed is chaotic, so the effectivenesses agree only within the scatter between
+beds: all are Hertz-Mindlin with Coulomb friction; warpdamp's contacts never pull and its dashpots are calibrated for
+that; the peers' may pull at the end of a contact; LIGGGHTS' tangential dashpot rests while a contact slides; YADE's
+cylinder has 64 flat sides and moves through the laboratory.
+
+The costs in one cavity are of the first 500 steps from rest of a settled bed at the paper's fill, the cavity
+growing with the bed.
+"""
+
+
+def machine() -> list[str]:
+    """Processor, cores, load before anything was run, date, versions."""
+    with open("/proc/cpuinfo") as file:
+        models = [line.partition(":")[2].strip() for line in file if line.startswith("model name")]
+    versions = [f"{name} {importlib.metadata.version(name)}" for name in ("warp-lang", "numpy")]
+    lines = [
+        f"- {models[0] if models else platform.processor()}, {len(os.sched_getaffinity(0))} cores, "
+        f"{platform.system()}, load {os.getloadavg()[0]:.1f} before the first measurement",
+        f"- {time.strftime('%Y-%m-%d')}, warpdamp {warpdamp.__version__}, {', '.join(versions)}, "
+        f"Python {platform.python_version()}",
+    ]
+    return lines + [f"- {p.name}: {version(p) if p.program else f'not installed ({p.install})'}" for p in PEERS]
+
+
+def text(metrics, samples: dict[str, list[float]], lines: list[str]) -> str:
+    """The whole document."""
+    rows = ["| metric | what | unit | measured | required | aimed at |", "|---|---|---|---|---|---|"]
+    rows += [_row(metric, samples.get(metric.name)) for metric in metrics]
+    return HEAD + "\n".join([*lines, "", *rows]) + "\n" + HOW
+
+
+def _row(metric, values: list[float] | None) -> str:
+    if values is None:
+        measured = "not measured"
+    else:
+        measured = f"{statistics.median(values):.4g}"
+        if len(values) > 1:
+            measured += f" ({min(values):.4g} to {max(values):.4g})"
+    limits = [_limit(metric, limit, values) for limit in (metric.required, metric.aimed)]
+    return f"| {metric.name} | {metric.meaning} | {metric.unit} | {measured} | {' | '.join(limits)} |"
+
+
+def _limit(metric, limit: float | None, values: list[float] | None) -> str:
+    if limit is None:
+        return ""
+    said = f"{metric.sense} {limit:g}"
+    if values is None or metric.meets(statistics.median(values), limit):
+        return said
+    return f"{said} **miss**"

@@ -1,0 +1,143 @@
+"""What a user waits for: starting, compiling, and how two cores share a sweep."""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from ruamel.yaml import YAML
+
+from warpdamp import load, run
+
+ROOT = Path(__file__).parents[2]
+WARPDAMP = (sys.executable, "-m", "warpdamp")
+
+SWEEP = {
+    "damper": {"particles": {"count": 120}},
+    "excitation": {"frequency": ["92 Hz"], "gamma": [1 + k / 8 for k in range(64)]},
+    "preparation": "loose",
+    "steady_state": {"fewest_cycles": 8, "most_cycles": 8},
+    "numerics": {"step": "4e-6 s"},
+    "seeds": [1],
+}
+"""Changes to configs/beam.yaml: 64 cases, each a second or less."""
+
+SMALL = {
+    "damper": {"particles": {"count": 20}},
+    "excitation": {"frequency": ["200 Hz"], "gamma": [2, 4, 6, 8]},
+    "preparation": "loose",
+    "steady_state": {"fewest_cycles": 8, "most_cycles": 8},
+    "seeds": [1],
+}
+"""One batch of four short cases."""
+
+
+def changed_beam(folder: Path, changes: dict) -> Path:
+    """configs/beam.yaml with changes, written to a folder."""
+    yaml = YAML()
+    config = yaml.load(ROOT / "configs" / "beam.yaml")
+    _update(config, changes)
+    path = folder / "benchmark.yaml"
+    yaml.dump(config, path)
+    return path
+
+
+def _update(node, changes: dict) -> None:
+    for key, value in changes.items():
+        if isinstance(value, dict):
+            _update(node[key], value)
+        else:
+            node[key] = value
+
+
+def commands(rounds: int = 9) -> dict[str, list[float]]:
+    """Wall time [s] of ``warpdamp --help`` and of ``import warpdamp``."""
+    asked = {"help_time": [*WARPDAMP, "--help"], "import_time": [sys.executable, "-c", "import warpdamp"]}
+    return {name: [_seconds(command) for _ in range(rounds)] for name, command in asked.items()}
+
+
+def _seconds(command) -> float:
+    started = time.perf_counter()
+    subprocess.run(command, check=True, capture_output=True)
+    return time.perf_counter() - started
+
+
+def warm_start(rounds: int = 5) -> dict[str, list[float]]:
+    """Wall time [s] from the start of ``warpdamp run`` to the end of its first batch, kernels and bed from disk.
+
+    Modes, worker processes and 0.1 s or so of simulation included.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        config = changed_beam(Path(name), SMALL)
+        times = [_until_first_batch(config, Path(name)) for _ in range(rounds + 1)]
+    return {"warm_start": times[1:]}  # the first may compile, and makes the bed
+
+
+def _until_first_batch(config: Path, output: Path) -> float:
+    started = time.perf_counter()
+    command = [*WARPDAMP, "run", config, "-o", output]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as process:
+        for line in process.stderr:
+            if line.startswith("cases") and line.split()[1] != "0":
+                seconds = time.perf_counter() - started
+    if process.returncode:
+        raise RuntimeError(f"{' '.join(map(str, command))} ended with status {process.returncode}")
+    return seconds
+
+
+def compilations() -> dict[str, list[float]]:
+    """Compilations for each kernel module that two runs of two workers leave in a cache that was empty."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        config = changed_beam(folder, SMALL | {"excitation": {"frequency": ["200 Hz"], "gamma": list(range(1, 13))}})
+        environment = os.environ | {"WARP_CACHE_PATH": f"{folder}/kernels", "WARPDAMP_CACHE": f"{folder}/beds"}
+        command = [*WARPDAMP, "run", config, "-o", folder, "--workers", "2"]
+        builds = [_builds(command, environment, folder / "kernels") for _ in range(2)]
+        kept = {path.parent for path in (folder / "kernels").rglob("*.o")}
+    return {
+        "kernel_modules": [len(kept)],
+        "compilations_per_module": [len(builds[0] | builds[1]) / len(kept)],
+        "compilations_when_warm": [len(builds[1])],
+    }
+
+
+def _builds(command, environment, cache: Path) -> set[str]:
+    """Folders that Warp compiles in while a command runs: one to a compilation, named after module and process."""
+    seen = set()
+    with subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
+        while process.poll() is None:
+            seen |= {name for _, names, _ in os.walk(cache) for name in names if re.search(r"_p\d+_t\d+$", name)}
+            time.sleep(0.005)
+    if process.returncode:
+        raise RuntimeError(f"{' '.join(map(str, command))} ended with status {process.returncode}")
+    return seen
+
+
+def two_cores(rounds: int = 3) -> dict[str, list[float]]:
+    """Wall time [s] of the cases of a sweep of 64 by one worker and by two, in turn, and their ratio.
+
+    From the first case's submission to the last one's end: what is left of the workers' start is included.
+    """
+    samples = {"sweep_one_worker": [], "sweep_two_workers": []}
+    with tempfile.TemporaryDirectory() as name:
+        config = load(changed_beam(Path(name), SWEEP))
+        _cases_time(config, 2)  # compiles and makes the bed
+        for _ in range(rounds):
+            for key, workers in (("sweep_one_worker", 1), ("sweep_two_workers", 2)):
+                samples[key].append(_cases_time(config, workers))
+    pairs = zip(*samples.values(), strict=True)
+    return samples | {"two_core_gain": [one / two for one, two in pairs]}
+
+
+def _cases_time(config, workers: int) -> float:
+    moments = []
+
+    def report(stage: str, done: float) -> None:
+        if stage == "cases":
+            moments.append(time.perf_counter())
+
+    run(config, workers=workers, report=report)
+    return moments[-1] - moments[0]
