@@ -132,10 +132,10 @@ def _write(rows, bare, share, full, full_moving, simplest):
         f"Written by `python scripts/benchmark_effects.py` on {platform.machine()}, Python "
         f"{platform.python_version()}; nanoseconds of processor time per particle-step, medians; float64 unless said "
         f"otherwise.  All effects of the paper's scene together: **{full:.0f} ns** on the frozen contacts, "
-        f"{full_moving:.0f} ns in the paper's scene at Gamma 6.  The simplest law (no friction, no dashpots, "
-        f"{full_moving:.0f} ns in the paper's scene at Gamma 6.  The simplest law (no friction, no dashpots, no gravity, "
-        f"losses in total) takes {simplest:.0f} ns, **{100 * share:.0f} %** of the full one on the same contacts (asked "
-        f"for: at most {100 * LIMIT:.0f} %).",
+        f"{full_moving:.0f} ns in the paper's scene at Gamma 6.  The simplest law (no friction, no dashpots, no "
+        f"gravity, losses in total) takes {simplest:.0f} ns, **{100 * share:.0f} %** of the full one on the same "
+        f"contacts (asked for: at most {100 * LIMIT:.0f} %).",
+        "",
         "![bars](effects.png)",
         "",
         "Frozen: the same contacts in both columns, so their difference is what the effect costs.  Scene: the bed "
