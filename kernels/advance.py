@@ -9,6 +9,7 @@ from .data import ESCAPED, NOT_FINITE, UNIQUE, types
 from .ledger import ledger
 from .motion import motion
 from .pairs import pair_contacts
+from .structure import structure
 
 _NOT_FINITE, _ESCAPED = wp.constant(NOT_FINITE), wp.constant(ESCAPED)
 
@@ -18,15 +19,32 @@ def stepper(effects):
     """Return the kernels ``advance`` and ``synchronise`` for the given effects."""
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
-    Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
+    Case, Particle, Contacts, Mount = t.Case, t.Particle, t.Contacts, t.Mount
     pair_forces, _ = pair_contacts(effects)
     wall_forces, _, contained = wall_contacts(effects)
     enclosure_phase, integrate, kick = motion(effects)
     tally, stored, WORK = ledger(effects).tally, ledger(effects).stored, ledger(effects).WORK
+    FORCE_WORK = ledger(effects).FORCE_WORK
+    s = structure(effects)
+    answer, record, enclosure_place = s.answer, s.record, s.enclosure_place
 
     @wp.func
-    def forces(case: Case, p: wp.array(dtype=Particle), c: Contacts, step: wp.int64, h: real, since: real, row: Row):
-        """All contact forces of a step, tallied; returns minus the enclosure's acceleration [m/s^2] and the row."""
+    def forces(
+        case: Case,
+        p: wp.array(dtype=Particle),
+        c: Contacts,
+        mount: Mount,
+        step: wp.int64,
+        h: real,
+        since: real,
+        drift: real,
+        row: Row,
+    ):
+        """All contact forces of a step, tallied, and the structure's answer.
+
+        The step stands for ``h`` seconds and comes ``since`` seconds after the last one; the enclosure's place
+        advances over ``drift``.  Returns minus the enclosure's acceleration [m/s^2] and the row.
+        """
         pair_losses, largest = pair_forces(case, p, c, h, since)
         reaction = vec3()
         wall_losses = Losses()
@@ -35,7 +53,17 @@ def stepper(effects):
             largest = wp.max(largest, wall_largest)
         cosine, sine = enclosure_phase(case, step)
         row = tally(case, row, pair_losses, wall_losses, largest, reaction, cosine, sine, h)
-        return case.acceleration * real(sine) * case.direction, row
+        if wp.static(effects.structure):
+            along = wp.dot(reaction, case.direction)
+            place = enclosure_place(case, mount)
+            acceleration, force_work, loss = answer(case, mount, step, along, h, drift)
+            if drift > real(0.0):
+                record(case, mount, step, place, acceleration, along)
+            row[FORCE_WORK] += force_work
+            row[FORCE_WORK + 1] += loss
+            return -acceleration * case.direction, row
+        else:
+            return case.acceleration * real(sine) * case.direction, row
 
     @wp.kernel(**UNIQUE)
     def advance(
@@ -43,6 +71,7 @@ def stepper(effects):
         target: wp.array(dtype=wp.int64),
         p: wp.array(dtype=Particle),
         c: Contacts,
+        mount: Mount,
         # in and out:
         steps: wp.array(dtype=wp.int64),
         drifts: wp.array(dtype=vec3),
@@ -65,9 +94,9 @@ def stepper(effects):
             if step == wp.int64(0):
                 h = real(0.5) * case.dt  # from the given velocities at step 0 to the half step
                 since = real(0.0)
-                rows[case.first_row] = stored(case, p, c, row, real(0.0))
+                rows[case.first_row] = stored(case, p, c, mount, row, real(0.0))
 
-            inertial, row = forces(case, p, c, step, h, since, row)
+            inertial, row = forces(case, p, c, mount, step, h, since, case.dt, row)
             work, travel2, mean_velocity = integrate(case, p, inertial, h, drift)
             row[WORK] += work
             drift += case.dt * mean_velocity
@@ -80,7 +109,7 @@ def stepper(effects):
             if step % wp.int64(case.cycle) == wp.int64(0):
                 cycle = wp.int32(step / wp.int64(case.cycle))
                 if cycle < case.rows:
-                    rows[case.first_row + cycle] = stored(case, p, c, row, real(0.5) * case.dt)
+                    rows[case.first_row + cycle] = stored(case, p, c, mount, row, real(0.5) * case.dt)
         if wp.static(effects.guards and effects.enclosure):
             if status[n] == 0 and not contained(case, p):
                 status[n] = _ESCAPED
@@ -95,6 +124,7 @@ def stepper(effects):
         # in and out: copies, for the run goes on from its half step
         p: wp.array(dtype=Particle),
         c: Contacts,
+        mount: Mount,
         tallies: wp.array(dtype=Row),
     ):
         """Bring velocities, springs and ledger from the half step to the whole one, to be read."""
@@ -104,8 +134,8 @@ def stepper(effects):
         step = steps[n]
         if step > wp.int64(0):
             h = real(0.5) * case.dt
-            inertial, row = forces(case, p, c, step, h, case.dt, row)
+            inertial, row = forces(case, p, c, mount, step, h, case.dt, real(0.0), row)
             row[WORK] += kick(case, p, inertial, h)
-        tallies[n] = stored(case, p, c, row, real(0.0))
+        tallies[n] = stored(case, p, c, mount, row, real(0.0))
 
     return advance, synchronise

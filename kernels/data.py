@@ -33,13 +33,18 @@ NOT_FINITE = 1
 ESCAPED = 2
 
 
-def columns(channels):
-    """Names of a ledger row's columns, with the losses by channel or in total.
+STRUCTURE = ("force_work", "structure_loss", "structure_energy", "frame_energy")
+"""With a structure: work of the force on it, its own losses, its energy, and what the particles' kinetic and
+gravitational energy in the laboratory exceeds that in the enclosure's frame by.  The last two are of the moment."""
+
+
+def columns(effects):
+    """Names of a ledger row's columns: the losses by channel or in total, and the structure's if there is one.
 
     All are energies [J], except: reaction_* = integral of the reaction along the drive times cos, sin [N s];
     largest_overlap = overlap over the reduced radius.  All but ``STORES`` accumulate from step 0.
     """
-    losses = LOSSES if channels else ("total",)
+    losses = LOSSES if effects.channels else ("total",)
     return (
         *(f"particle_{name}" for name in losses),
         *(f"wall_{name}" for name in losses),
@@ -48,6 +53,7 @@ def columns(channels):
         "reaction_sine",
         "largest_overlap",
         *STORES,
+        *(STRUCTURE if effects.structure else ()),
     )
 
 
@@ -58,7 +64,7 @@ def types(effects):
     wall = effects.enclosure
     own = structs(replace(effects, channels=True, guards=True, side=wall, floor=wall, lid=wall))
     losses = wp.types.vector(len(LOSSES) if effects.channels else 1, wp.float64)
-    row = wp.types.vector(len(columns(effects.channels)), wp.float64)
+    row = wp.types.vector(len(columns(effects)), wp.float64)
     return SimpleNamespace(**vars(own), Losses=losses, Row=row)
 
 
@@ -101,7 +107,18 @@ def structs(effects):
         if effects.gravity:
             gravity: vec3  # [m/s^2]
         direction: vec3  # unit vector of the drive
-        acceleration: real  # amplitude of the drive [m/s^2]
+        if effects.structure:
+            first_mode: wp.int32  # its modes are first_mode .. first_mode + modes - 1
+            modes: wp.int32
+            force: real  # amplitude of the harmonic force on it [N]
+            first_sample: wp.int32  # its force's samples are first_sample .. first_sample + samples - 1
+            samples: wp.int32
+            sample_step: real  # [s] between them
+            record: wp.int32  # steps between records; 0: none
+            first_record: wp.int32
+            records: wp.int32
+        else:
+            acceleration: real  # amplitude of the drive [m/s^2]
         if not effects.sizes:
             grain_radius: real  # of every particle [m]
         if effects.alike:
@@ -162,6 +179,26 @@ def structs(effects):
             wall_laws: wp.array(dtype=Law)
 
     @wp.struct
+    class Mode:
+        """A mode of the structure, mass-normalised."""
+
+        stiffness: real  # w^2 [1/s^2]
+        damping: real  # zeta w [1/s]
+        amplitude: real  # phi at the damper along the direction [kg^-0.5]
+        position: real  # q at n [m kg^0.5]
+        velocity: real  # at n - 1/2
+
+    @wp.struct
+    class Mount:
+        """What the enclosure is fixed to: the modes of all cases, their forces, and records of what happened."""
+
+        count: wp.int32  # of modes of all cases together
+        if effects.structure:
+            modes: wp.array(dtype=Mode)
+            force: wp.array(dtype=real)  # [N]
+            records: wp.array(dtype=wp.vec3d)  # place [m], acceleration [m/s^2] of the enclosure, reaction [N]
+
+    @wp.struct
     class Motion:
         """Of i's surface relative to its partner's; what no effect needs stays zero and costs nothing."""
 
@@ -187,6 +224,8 @@ def structs(effects):
         Case=Case,
         Particle=Particle,
         Contacts=Contacts,
+        Mode=Mode,
+        Mount=Mount,
         Motion=Motion,
         History=History,
     )

@@ -17,6 +17,7 @@ from .cylinder import wall_contacts
 from .data import columns, types
 from .grains import grains
 from .pairs import pair_contacts
+from .structure import structure
 
 
 @functools.cache
@@ -24,10 +25,12 @@ def ledger(effects):
     """Return ``tally``, ``stored`` and the number of the column ``work_input`` for the given effects."""
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
-    Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
-    at = {name: wp.constant(k) for k, name in enumerate(columns(effects.channels))}
+    Case, Particle, Contacts, Mount = t.Case, t.Particle, t.Contacts, t.Mount
+    modal_energy = structure(effects).modal_energy
+    at = {name: wp.constant(k) for k, name in enumerate(columns(effects))}
     WORK, COSINE, SINE = at["work_input"], at["reaction_cosine"], at["reaction_sine"]
     LARGEST, STORED = at["largest_overlap"], at["kinetic_translation"]
+    FORCE_WORK, ENERGY = at.get("force_work"), at.get("structure_energy")
     CHANNELS = wp.constant(WORK // 2)
     _, pair_energy = pair_contacts(effects)
     _, wall_energy, _ = wall_contacts(effects)
@@ -57,8 +60,11 @@ def ledger(effects):
         return row
 
     @wp.func
-    def stored(case: Case, p: wp.array(dtype=Particle), c: Contacts, row: Row, offset: real):
+    def stored(case: Case, p: wp.array(dtype=Particle), c: Contacts, mount: Mount, row: Row, offset: real):
         """Fill in the stored energies, positions taken ``offset`` seconds back (velocities and springs lie there)."""
+        momentum = wp.float64(0.0)
+        weight = wp.float64(0.0)
+        total = wp.float64(0.0)
         translation = wp.float64(0.0)
         rotation = wp.float64(0.0)
         gravity = wp.float64(0.0)
@@ -66,6 +72,11 @@ def ledger(effects):
             v = p[i].half_velocity
             mass = real(1.0) / inverse_mass_of(case, p, i)
             translation += wp.float64(real(0.5) * mass * wp.dot(v, v))
+            if wp.static(effects.structure):
+                total += wp.float64(mass)
+                momentum += wp.float64(mass * wp.dot(v, case.direction))
+                if wp.static(effects.gravity):
+                    weight += wp.float64(mass * wp.dot(case.gravity, case.direction))
             if wp.static(effects.rotation):
                 spin = p[i].half_spin
                 rotation += wp.float64(real(0.5) * wp.dot(spin, spin) / inverse_inertia_of(case, p, i))
@@ -79,6 +90,11 @@ def ledger(effects):
         row[STORED + 2] = gravity
         for k in range(3):
             row[STORED + 3 + k] = elastic[k]
+        if wp.static(effects.structure):
+            energy, place, velocity = modal_energy(case, mount, offset)
+            speed = wp.float64(velocity)
+            row[ENERGY] = energy
+            row[ENERGY + 1] = speed * momentum + wp.float64(0.5) * total * speed * speed - weight * wp.float64(place)
         return row
 
-    return SimpleNamespace(tally=tally, stored=stored, WORK=WORK)
+    return SimpleNamespace(tally=tally, stored=stored, WORK=WORK, FORCE_WORK=FORCE_WORK)

@@ -41,6 +41,8 @@ class Effects:
         Whether the ledger keeps losses by channel, or only their sum.
     guards : bool
         Whether every step checks that the state is finite, and every launch that all particles are in the cavity.
+    structure : bool
+        Whether the enclosure is fixed to a structure that answers, instead of moving as prescribed.
     precision : "float64" or "float32"
         Of the motion; the ledger is always float64.
     """
@@ -57,6 +59,7 @@ class Effects:
     materials: bool = False
     channels: bool = True
     guards: bool = True
+    structure: bool = False
     precision: Precision = "float64"
 
     @property
@@ -122,6 +125,7 @@ def called_for(scene: Scene, grains, *, precision: Precision = "float64") -> Eff
         lid=bool(cavity and cavity.lid),
         sizes=len(set(np.asarray(grains.radius).tolist())) > 1,
         materials=len(scene.materials) > 1,
+        structure=scene.mount is not None,
         precision=precision,
     )
 

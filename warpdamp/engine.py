@@ -16,6 +16,7 @@ from .kernels.advance import stepper
 from .kernels.neighbours import neighbour_search
 from .law import contact_constants
 from .ledger import Ledger
+from .mounting import Mounts
 from .scene import Scene, State
 from .timestep import check_step
 from .transfer import Transfer
@@ -49,9 +50,9 @@ class Case:
     steps_per_cycle: int | None = None
 
     def __post_init__(self):
-        if self.scene.drive is None:
+        if self.scene.excitation_frequency is None:
             return
-        period = 1 / self.scene.drive.frequency
+        period = 1 / self.scene.excitation_frequency
         steps = round(period / self.dt)
         if steps < 1 or abs(steps * self.dt / period - 1) > 1e-9:
             near = max(1, math.ceil(period / self.dt))
@@ -78,13 +79,23 @@ class Batch:
     cases : list of Case
     max_rows : int
         Ledger rows to keep for each case, the one at the start included.
+    max_records : int
+        Records to keep of a case whose mount asks for them; see ``Mount.record``.
     effects : Effects or None
         What the kernels are compiled for.  None: all that the cases call for.
     skin : float
         Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results.
     """
 
-    def __init__(self, cases: list[Case], *, max_rows: int = 1, effects: Effects | None = None, skin: float = SKIN):
+    def __init__(
+        self,
+        cases: list[Case],
+        *,
+        max_rows: int = 1,
+        max_records: int = 0,
+        effects: Effects | None = None,
+        skin: float = SKIN,
+    ):
         self.cases = list(cases)
         for case in self.cases:
             guards.check_values(case.state)
@@ -95,12 +106,14 @@ class Batch:
         self._count_pairs, self._list_pairs = neighbour_search(self.effects)
 
         self._transfer = Transfer(t, [case.state for case in self.cases])
-        self._max_rows, self._skin = max_rows, skin
+        self._max_rows, self._max_records, self._skin = max_rows, max_records, skin
         n, m = len(self._transfer), len(self.cases)
         counts = [len(case.state) for case in self.cases]
 
         laws: dict[str, list] = {"laws": [], "wall_laws": []}
-        self._constants = wp.array([self._device_case(k, laws) for k in range(m)], dtype=t.Case, device=DEVICE)
+        mounts = Mounts()
+        self._constants = wp.array([self._device_case(k, laws, mounts) for k in range(m)], dtype=t.Case, device=DEVICE)
+        self._mount = mounts.on_device(t)
         self._group = wp.array(np.repeat(np.arange(m, dtype=np.int32), counts), device=DEVICE)
         self._particles = self._transfer.particles([c.scene.masses(c.state) for c in self.cases])
         self._contacts = self._transfer.contacts(laws)
@@ -119,9 +132,10 @@ class Batch:
         self._grid = wp.HashGrid(side, side, side, device=DEVICE, dtype=self.effects.real)
         self._check_overlaps()
 
-    def _device_case(self, k: int, laws: dict[str, list]):
+    def _device_case(self, k: int, laws: dict[str, list], mounts: Mounts):
         t, case = self._types, self.cases[k]
         scene, state, drive = case.scene, case.state, case.scene.drive
+        moved = drive or scene.mount
         radius = float(state.radius[0])
         mass = float(scene.masses(state)[0])
         values = {
@@ -133,8 +147,9 @@ class Batch:
             "dt": case.dt,
             "skin": self._skin * float(np.min(state.radius)),
             "gravity": t.vec3(*scene.gravity),
-            "direction": t.vec3(*(drive.direction if drive else (0.0, 0.0, 1.0))),
+            "direction": t.vec3(*(moved.direction if moved else (0.0, 0.0, 1.0))),
             "acceleration": drive.acceleration if drive else 0.0,
+            **mounts.add(scene.mount, case.dt, self._max_records),
             "grain_radius": radius,
             "inverse_mass": 1 / mass,
             "inverse_inertia": 2.5 / (mass * radius**2),
@@ -232,7 +247,7 @@ class Batch:
             wp.launch(
                 self._advance,
                 len(self.cases),
-                [self._constants, self._target, self._particles, self._contacts]
+                [self._constants, self._target, self._particles, self._contacts, self._mount]
                 + [self._steps, self._drifts, self._tallies, self._rows, self._status],
                 device=DEVICE,
             )
@@ -244,7 +259,18 @@ class Batch:
         if reached >= self._max_rows:
             raise ValueError(f"case {k} ran {reached} cycles, and max_rows={self._max_rows} kept fewer")
         first = k * self._max_rows
-        return Ledger(self._rows.numpy()[first : first + reached + 1].copy(), self.effects.channels)
+        return Ledger(self._rows.numpy()[first : first + reached + 1].copy(), self.effects)
+
+    def records(self, k: int) -> np.ndarray:
+        """Of case ``k``: time [s], place [m] and acceleration [m/s^2] of the enclosure, reaction [N], (n, 4).
+
+        The reaction is the particles' force on the enclosure along the mount's direction.
+        """
+        mount, case = self.cases[k].scene.mount, self._constants.numpy()[k]
+        kept = self._mount.records.numpy()[case["first_record"] : case["first_record"] + case["records"]]
+        reached = min(len(kept), 1 + (int(self._steps.numpy()[k]) - 1) // mount.record)
+        time = np.arange(reached) * mount.record * self.cases[k].dt
+        return np.concatenate([time[:, None], kept[:reached]], axis=1)
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """All that a run has, as arrays: ``restore`` it into a batch of the same cases and go on to the same bits."""
@@ -261,7 +287,9 @@ class Batch:
 
     def _changing(self) -> dict:
         contacts = {name: getattr(self._contacts, name) for name in self._types.Contacts.vars if "laws" not in name}
+        mount = {name: getattr(self._mount, name) for name in ("modes", "records") if name in self._types.Mount.vars}
         return contacts | {
+            **mount,
             "particles": self._particles,
             "steps": self._steps,
             "drifts": self._drifts,
@@ -280,16 +308,20 @@ class Batch:
         copy_p, copy_c = wp.clone(p), t.Contacts()
         for name in t.Contacts.vars:
             setattr(copy_c, name, wp.clone(getattr(c, name)))
+        copy_m = t.Mount()
+        for name in t.Mount.vars:
+            value = getattr(self._mount, name)
+            setattr(copy_m, name, value if name == "count" else wp.clone(value))
         tallies = wp.clone(self._tallies)
         wp.launch(
             self._synchronise,
             len(self.cases),
-            [self._constants, self._steps, copy_p, copy_c, tallies],
+            [self._constants, self._steps, copy_p, copy_c, copy_m, tallies],
             device=DEVICE,
         )
         rows = tallies.numpy()
         return [
-            (self._transfer.state(k, copy_p, copy_c), Ledger(rows[k : k + 1].copy(), self.effects.channels))
+            (self._transfer.state(k, copy_p, copy_c), Ledger(rows[k : k + 1].copy(), self.effects))
             for k in range(len(self.cases))
         ]
 
@@ -347,4 +379,4 @@ class Simulation(Batch):
     def read(self) -> tuple[State, Ledger]:
         """State now, and the ledger's rows at the start and now."""
         state, ledger = super().read()[0]
-        return state, Ledger(np.concatenate([self._start, ledger.rows]), self.effects.channels)
+        return state, Ledger(np.concatenate([self._start, ledger.rows]), self.effects)

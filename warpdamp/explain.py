@@ -73,7 +73,7 @@ def effects_of(config: Config, spec: Spec) -> list[Explanation]:
     explained = []
     for field in fields(Effects):
         name = field.name
-        if name in ("precision", "guards"):
+        if name in ("precision", "guards", "structure"):
             continue
         on = getattr(effects, name)
         why = _why(config, name, on)
@@ -213,7 +213,7 @@ def row_bytes(effects: Effects) -> int:
     """What a cycle's row of the ledger takes."""
     from .kernels.data import columns
 
-    return 8 * len(columns(effects.channels))
+    return 8 * len(columns(effects))
 
 
 def _size(variable) -> int:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .effects import Effects
 from .kernels.data import LOSSES, STORES, columns
 from .scene import Drive
 
@@ -25,24 +26,24 @@ class Ledger:
     ----------
     rows : (moments, columns) array
         See ``warpdamp.kernels.data.columns``.
-    channels : bool
-        Whether losses are by channel, or in total.
+    effects : Effects
+        They say which columns there are.
     """
 
     rows: np.ndarray
-    channels: bool = True
+    effects: Effects = Effects()  # noqa: RUF009 - frozen
 
     def __getitem__(self, name: str) -> np.ndarray:
-        return self.rows[:, columns(self.channels).index(name)]
+        return self.rows[:, columns(self.effects).index(name)]
 
     @property
     def losses(self) -> tuple[str, ...]:
         """Names of the columns of losses."""
-        return CHANNELS if self.channels else TOTALS
+        return CHANNELS if self.effects.channels else TOTALS
 
     def total(self, names) -> np.ndarray:
         """Sum of the named columns at every moment."""
-        every = columns(self.channels)
+        every = columns(self.effects)
         return self.rows[:, [every.index(name) for name in names]].sum(axis=1)
 
     @property
@@ -61,13 +62,20 @@ class Ledger:
         balance = self["work_input"] - self.dissipated - self.stored
         return balance - balance[0]
 
+    @property
+    def coupled_residual(self) -> np.ndarray:
+        """With a structure: work of the force on it, less all losses and gains of energy in the laboratory [J]."""
+        kept = self.stored + self["structure_energy"] + self["frame_energy"]
+        balance = self["force_work"] - self["structure_loss"] - self.dissipated - kept
+        return balance - balance[0]
+
     def per_cycle(self) -> np.ndarray:
         """Energy dissipated in each interval between moments [J]."""
         return np.diff(self.dissipated)
 
     def between(self, first: int, last: int) -> Ledger:
         """The moments ``first`` .. ``last``, both included."""
-        return Ledger(self.rows[first : last + 1], self.channels)
+        return Ledger(self.rows[first : last + 1], self.effects)
 
     def change(self, name: str) -> float:
         """Of one column from the first moment to the last."""

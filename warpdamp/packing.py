@@ -337,7 +337,7 @@ def _fallen(heights) -> float:
 def _run(batch: Batch, steps: int) -> None:
     before = batch.read()[0][1]
     batch.advance(steps)
-    ledger = Ledger(np.concatenate([before.rows, batch.read()[0][1].rows]), before.channels)
+    ledger = Ledger(np.concatenate([before.rows, batch.read()[0][1].rows]), before.effects)
     if batch.status[0] != OK or residual_share(ledger) > LARGEST_RESIDUAL:
         raise PackingError(
             "the bed gained energy from nowhere while it was prepared: raise numerics.steps_per_contact "

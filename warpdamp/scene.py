@@ -92,6 +92,74 @@ class Drive:
         return self.acceleration / self.angular_frequency
 
 
+@dataclass(frozen=True, eq=False)
+class Force:
+    """Applied to the structure at the damper: a harmonic part A sin(2 pi f t), and samples with straight lines between.
+
+    Parameters
+    ----------
+    amplitude : A [N]
+    frequency : f [Hz], of the harmonic part
+    samples : (n,) array [N] or None
+        Recorded, swept or random; after the last one it stays at that.
+    sample_step : [s] between samples, the first at time 0
+    """
+
+    amplitude: float = 0.0
+    frequency: float | None = None
+    samples: np.ndarray | None = None
+    sample_step: float = 0.0
+
+    def __post_init__(self):
+        if self.amplitude and not (self.frequency and self.frequency > 0):
+            raise ValueError("a harmonic force needs a positive frequency")
+        if self.samples is not None and (len(self.samples) < 2 or self.sample_step <= 0):
+            raise ValueError("a sampled force needs at least two samples and a positive sample_step")
+
+
+@dataclass(frozen=True)
+class Mount:
+    """The structure that the enclosure is fixed to: its modes without the particles, and how it starts.
+
+    Parameters
+    ----------
+    frequency : natural frequencies [Hz]
+    damping : inherent damping ratios
+    amplitude : mass-normalised mode shapes at the damper, along ``direction`` [kg^-0.5]
+    direction : unit vector
+    force : Force or None
+    position, velocity : modal q [m kg^0.5] and q' [m kg^0.5/s] at the start (zero unless given)
+    record : steps between records of the enclosure's motion and of the particles' force on it; 0: none
+    """
+
+    frequency: tuple[float, ...]
+    damping: tuple[float, ...]
+    amplitude: tuple[float, ...]
+    direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    force: Force | None = None
+    position: tuple[float, ...] = ()
+    velocity: tuple[float, ...] = ()
+    record: int = 0
+
+    def __post_init__(self):
+        n = len(self.frequency)
+        for name in ("position", "velocity"):
+            if not getattr(self, name):
+                object.__setattr__(self, name, (0.0,) * n)
+        if n == 0 or any(len(getattr(self, name)) != n for name in ("damping", "amplitude", "position", "velocity")):
+            raise ValueError("a mount needs a damping, an amplitude, a position and a velocity for each frequency")
+        if min(self.frequency) <= 0 or abs(math.hypot(*self.direction) - 1) > 1e-9:
+            raise ValueError("a mount needs positive frequencies and a direction of length 1")
+
+    @property
+    def speed(self) -> float:
+        """Largest speed of the enclosure in free vibration from the start [m/s]."""
+        return sum(
+            abs(phi) * math.hypot(v, 2 * math.pi * f * q)
+            for f, phi, q, v in zip(self.frequency, self.amplitude, self.position, self.velocity, strict=True)
+        )
+
+
 @dataclass(frozen=True)
 class Scene:
     """Everything that stays constant while particles move.
@@ -107,6 +175,9 @@ class Scene:
     enclosure : Cylinder or None
     gravity : vector [m/s^2]
     drive : Drive or None
+        Motion prescribed to the enclosure.
+    mount : Mount or None
+        Instead of a drive: the structure that it is fixed to, and that answers the particles.
     """
 
     particle: Material | tuple[Material, ...]
@@ -116,9 +187,12 @@ class Scene:
     enclosure: Cylinder | None
     gravity: tuple[float, float, float] = (0.0, 0.0, -STANDARD_GRAVITY)
     drive: Drive | None = None
+    mount: Mount | None = None
 
     def __post_init__(self):
         n = len(self.materials)
+        if self.drive and self.mount:
+            raise ValueError("the motion of an enclosure is prescribed by a drive or follows from a mount, not both")
         if not isinstance(self.particle_contact, Surface):
             rows = self.particle_contact
             if [len(row) for row in rows] != [n] * n or any(
@@ -148,8 +222,19 @@ class Scene:
         return pairs + ([self.wall_surface(i) for i in species] if self.enclosure else [])
 
     def driven(self, drive: Drive | None) -> Scene:
-        """The same scene under another drive."""
-        return replace(self, drive=drive)
+        """The same scene under another drive, fixed to nothing."""
+        return replace(self, drive=drive, mount=None)
+
+    def mounted(self, mount: Mount) -> Scene:
+        """The same scene fixed to a structure."""
+        return replace(self, drive=None, mount=mount)
+
+    @property
+    def excitation_frequency(self) -> float | None:
+        """Of the drive, or of the harmonic force on the structure [Hz]; None where nothing is periodic."""
+        if self.drive:
+            return self.drive.frequency
+        return self.mount.force.frequency if self.mount and self.mount.force else None
 
     def mass(self, radius, species=0) -> np.ndarray:
         """Of spheres of the given radii and species [kg]."""

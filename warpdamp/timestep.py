@@ -60,7 +60,7 @@ def expected_speed(scene: Scene, radius) -> float:
     Twice the enclosure's peak speed (a particle thrown back by a wall moving at full speed, met by another at rest),
     and what a fall through the free height of the cavity adds.
     """
-    driven = 2 * scene.drive.speed if scene.drive else 0.0
+    driven = 2 * scene.drive.speed if scene.drive else 2 * scene.mount.speed if scene.mount else 0.0
     if scene.enclosure is None:
         return driven
     fill = np.sum(4 / 3 * np.pi * np.asarray(radius) ** 3) / scene.enclosure.volume
