@@ -217,7 +217,8 @@ def coverage_section() -> list[str]:
         "## Do the intervals hold?",
         "",
         "Written from scripts/coverage.py: each case runs as with a tolerance of 5 %; the reference is the mean of the "
-        "same bed over eight times as many cycles afterwards, at least 300.  Share of steady cases whose 95 % interval holds "
+        "same bed over eight times as many cycles afterwards, at least 300.  Share of steady cases whose 95 % interval "
+        "holds "
         "the reference (asked for: 90-99 %), the interval's mean half-width, and the reference's own standard error.",
         "",
         *table(["cases", "drawn", "steady", "covered", "half-width", "reference"], rows),
