@@ -43,6 +43,7 @@ VARIABLES = {
     "natural_frequency": ("Hz", "natural frequency with the particles' mass"),
     "mode_amplitude": ("kg-0.5", "mass-normalised mode shape at the damper"),
     "modal_mass": ("kg", "1 / phi^2 at the damper"),
+    "inherent_damping": ("1", "damping ratio without the damper"),
 }
 INTEGERS = ("compaction_blocks", "cycles", "cycles_discarded", "steps", "status")
 
