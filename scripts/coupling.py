@@ -26,7 +26,7 @@ from warpdamp.coupling import from_decay, from_response, mount_of
 from warpdamp.packing import Request, prepare
 from warpdamp.results import write
 from warpdamp.scene import STANDARD_GRAVITY, Drive, Force
-from warpdamp.study import modes
+from warpdamp.sources import modes
 from warpdamp.sweep import grains, scene
 from warpdamp.timestep import steps_per_cycle
 

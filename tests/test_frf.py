@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import ROOT
-from test_modal import paper_beam
 
 from warpdamp.modal import ModalError, two_mass
 from warpdamp.modal.apparent import ComplexMass, complex_mass, corrected, loaded_modes, particle_mass
-from warpdamp.modal.fem import beam_modes
+from warpdamp.modal.beam import Beam, PointMass, beam_modes
 from warpdamp.modal.frf import Structure, accelerance, chosen, complex_accelerance, constant_force
+from warpdamp.modal.section import Rectangle
 from warpdamp.results import VARIABLES
+from warpdamp.scene import Material
 
 G = 9.81
 PARTICLES = 0.0239985
@@ -93,7 +94,8 @@ def test_taking_the_particles_off_gives_the_empty_beam():
 
     What is left are the modes above the fifth.
     """
-    empty, full = (beam_modes(paper_beam(), particle_mass=m).pick([1, 3, 5]) for m in (0.0, PARTICLES))
+    paper = Beam(0.58, Rectangle(0.02, 0.004), Material(7800, 210e9, 0.3))
+    empty, full = (beam_modes(paper, PointMass(0.2 + m, 0.29), highest=5).pick([1, 3, 5]) for m in (0.0, PARTICLES))
     frequency, amplitude = loaded_modes(full.frequency, full.amplitude, np.full(3, -PARTICLES))
     np.testing.assert_allclose(frequency, empty.frequency, rtol=1e-4)
     np.testing.assert_allclose(amplitude, empty.amplitude, rtol=3e-3)

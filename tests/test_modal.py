@@ -1,84 +1,159 @@
-"""Modes against beam theory, and the chain of eqs 4-11."""
+"""Modes as a damper sees them, and the chain of eqs 4-11 to modal damping."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from warpdamp import Drive, Material
+from warpdamp import Drive
 from warpdamp.ledger import maximum_energy
-from warpdamp.modal.damping import damping_ratio, normalised_damping
-from warpdamp.modal.fem import Beam, beam_modes, graded
+from warpdamp.modal.damping import damping_ratio, normalised_damping, several_dampers
+from warpdamp.modal.modes import Modes
 
-TIMOSHENKO = {  # clamped steel beam 580 x 20 x 4 mm with a central mass: f [Hz], phi [kg^-0.5] of modes 1, 3, 5
-    0.0: ((40.742, 1.7201), (281.12, 0.8300), (729.88, 0.5963)),
-    0.0239985: ((39.367, 1.6627), (278.97, 0.7692), (727.03, 0.5458)),
-}
+MASS = 0.024
 
 
-def paper_beam(poissons_ratio=0.3, **change):
-    steel = Material(density=7800, youngs_modulus=210e9, poissons_ratio=poissons_ratio)
-    given = {"length": 0.58, "width": 0.02, "thickness": 0.004, "material": steel, "mass_position": 0.29, "mass": 0.2}
-    return Beam(**(given | change))
+def pinned_string(count=6, mass=2.0, points=201):
+    """Modes sqrt(2 / M) sin(k pi x / L) of a pinned uniform beam of mass M and length 1, f_k = 10 k^2 Hz."""
+    k, x = np.arange(1, count + 1), np.linspace(0, 1, points)
+    shape = np.zeros((count, points, 3))
+    shape[:, :, 2] = math.sqrt(2 / mass) * np.sin(math.pi * np.outer(k, x))
+    return Modes(k, 10.0 * k**2, np.stack([x, 0 * x, 0 * x], 1), shape, 0.001 * k)
 
 
-@pytest.mark.parametrize("particles", TIMOSHENKO)
-def test_the_papers_beam_agrees_with_beam_theory(particles):
-    """0.5 %: the clamps stop Poisson's contraction, which beam theory leaves out."""
-    modes = beam_modes(paper_beam(), particle_mass=particles).pick([1, 3, 5])
-    for f, phi, (expected_f, expected_phi) in zip(modes.frequency, modes.amplitude, TIMOSHENKO[particles], strict=True):
-        assert f == pytest.approx(expected_f, rel=5e-3)
-        assert phi == pytest.approx(expected_phi, rel=5e-3)
-
-
-def test_without_poissons_effect_it_agrees_closely():
-    modes = beam_modes(paper_beam(0.0), particle_mass=0.0239985).pick([1, 3, 5])
-    expected = np.array(TIMOSHENKO[0.0239985])
-    np.testing.assert_allclose(modes.frequency, expected[:, 0], rtol=2e-3)
-    np.testing.assert_allclose(modes.amplitude, expected[:, 1], rtol=2e-3)
-
-
-def test_a_cantilever_agrees_with_euler_and_bernoulli():
-    """f = 1.8751^2 sqrt(EI / rho A) / (2 pi L^2) for a slender cantilever, a tip mass of nothing; 0.5 %."""
-    beam = paper_beam(0.0, supports=("clamped", "free"), mass=0.0)
-    first = beam_modes(beam, highest=2)
-    radius = 0.004 / math.sqrt(12)
-    for k, root in enumerate((1.87510407, 4.69409113)):
-        expected = root**2 * math.sqrt(210e9 / 7800) * radius / (2 * math.pi * 0.58**2)
-        assert first.frequency[k] == pytest.approx(expected, rel=5e-3)
-
-
-def test_a_damper_may_sit_at_the_free_end_of_a_thin_beam():
-    """Cantilever with a tip mass M >> its own: f = sqrt(3 EI / L^3 / (M + 0.2357 m)) / (2 pi); 0.5 %."""
-    beam = paper_beam(0.0, supports=("clamped", "free"), mass_position=0.58, thickness=0.0006, mass=1.0)
-    stiffness = 3 * 210e9 * 0.02 * 0.0006**3 / 12 / 0.58**3
-    expected = math.sqrt(stiffness / (1.0 + 0.2357 * 7800 * 0.02 * 0.0006 * 0.58)) / (2 * math.pi)
-    assert beam_modes(beam, highest=1).frequency[0] == pytest.approx(expected, rel=5e-3)
-
-
-def test_modes_are_found_by_shape():
-    """A square-ish section puts lateral modes between: those picked still have 0, 1, 2 ... nodes inside."""
-    modes = beam_modes(paper_beam(width=0.006), highest=4)
-    for number, shape in zip(modes.number, modes.shape, strict=True):
-        inside = shape[np.abs(shape) > 0.02 * np.abs(shape).max()]
-        assert np.sum(np.diff(np.sign(inside)) != 0) == number - 1
+def test_a_damper_sees_the_modes_from_its_own_point():
+    modes = pinned_string().at((0.25, 0, 0))
+    np.testing.assert_allclose(modes.amplitude, np.abs(np.sin(np.pi / 4 * np.arange(1, 7))), atol=1e-12)
+    np.testing.assert_allclose(modes.modal_mass[:2], [2.0, 1.0])
+    across = modes.at((0.5, 0, 0), (0.0, 3.0, 4.0))
+    assert across.amplitude[0] == pytest.approx(0.8)
 
 
 def test_modes_that_cannot_be_had_are_refused():
-    modes = beam_modes(paper_beam(), highest=2)
-    with pytest.raises(ValueError, match="no mode 7: choose from 1, 2"):
+    modes = pinned_string(3).at((0.5, 0, 0))
+    with pytest.raises(ValueError, match="no mode 7: choose from 1, 2, 3"):
         modes.pick([7])
-    with pytest.raises(ValueError, match="node where the damper sits"):
-        modes.pick([2])
+    with pytest.raises(ValueError, match="mode 2 has a node where the damper sits"):
+        modes.pick([1, 2])
+    with pytest.raises(ValueError, match="there is no node 12"):
+        modes.at_label(12)
+    picked = modes.pick([3, 1])
+    assert list(picked.number) == [3, 1]
+    np.testing.assert_allclose(picked.inherent_damping, [0.003, 0.001])
 
 
-def test_graded_stations_hold_every_point_and_never_jump():
-    stations = graded([0.0, 0.1, 0.58], 0.0005, 0.006)
-    assert {0.0, 0.1, 0.58} <= set(stations.tolist())
-    lengths = np.diff(stations)
-    assert lengths.min() > 0
-    assert lengths.max() < 0.0061
-    assert np.max(np.abs(np.diff(np.log(lengths)))) < math.log(1.5)
+def test_a_mass_is_added_in_the_space_of_the_modes():
+    """A central mass m on the pinned beam: 1 = m w^2 sum_k phi_k^2 / (w_k^2 - w^2), the same modes summed; 1e-9."""
+    modes = pinned_string(40).at((0.5, 0, 0))
+    loaded = modes.with_mass(0.7)
+    squares = (2 * np.pi * modes.frequency) ** 2
+    for f in loaded.pick([1, 3, 5]).frequency:
+        w2 = (2 * np.pi * f) ** 2
+        assert 0.7 * np.sum(w2 * modes.amplitude**2 / (squares - w2)) == pytest.approx(1.0, rel=1e-9)
+    np.testing.assert_allclose(loaded.frequency[1::2], modes.frequency[1::2], rtol=1e-9)  # those with a node there
+    # mass-normalised with the mass in: its own share, and that of the beam, add up to one
+    beam = np.trapezoid(2.0 * loaded.shape[:, :, 2] ** 2, modes.point[:, 0], axis=1)
+    np.testing.assert_allclose((beam + 0.7 * loaded.amplitude**2)[:9], 1.0, rtol=1e-6)
+
+
+def test_added_mass_leaves_the_dashpots_as_they_are():
+    """One mode: c = 2 zeta w stays, so zeta w / (1 + m phi^2) = zeta' w'; exact."""
+    one = replace(pinned_string(1), damper=100)
+    loaded = one.with_mass(0.5)
+    factor = 1 + 0.5 * one.amplitude[0] ** 2
+    assert loaded.frequency[0] == pytest.approx(10 / math.sqrt(factor), rel=1e-12)
+    assert loaded.inherent_damping[0] == pytest.approx(0.001 / math.sqrt(factor), rel=1e-12)
+
+
+def study(modes, effectiveness, gamma=(0.0, 1.0, 2.0, 4.0, 8.0)):
+    """A made-up study at the modes' frequencies: its effectiveness is a function of Gamma."""
+    gamma = np.array(gamma)
+    omega = 2 * np.pi * modes.frequency[:, None]
+    energy = effectiveness(gamma) * 4 * (gamma * 9.81 / omega) ** 2 * MASS
+    two = energy[..., None] * np.array([0.9, 1.1])  # two seeds
+    data = xr.Dataset(
+        {
+            "energy_dissipated": (("frequency", "gamma", "seed"), two),
+            "energy_dissipated_standard_error": (("frequency", "gamma", "seed"), 0.02 * two),
+            "displacement": (("frequency", "gamma"), gamma * 9.81 / omega**2),
+        },
+        {"frequency": modes.frequency, "gamma": gamma, "seed": [1, 2]},
+    )
+    return data.isel(gamma=slice(1, None))
+
+
+def alone(modes, effectiveness, gamma):
+    """zeta = (2 / pi) eps m phi^2 of one damper."""
+    return 2 / math.pi * MASS * modes.amplitude[:, None] ** 2 * effectiveness(gamma)
+
+
+def constant(gamma):
+    return 0.5 + 0 * gamma
+
+
+def rising(gamma):
+    return 0.1 * gamma  # a straight line, which interpolation between Gammas meets exactly
+
+
+def test_two_dampers_at_one_point_damp_twice():
+    modes = pinned_string(3).at((0.3, 0, 0))
+    both = several_dampers(study(modes, rising), [modes, modes])
+    expected = 2 * alone(modes, rising, both["gamma"].values) + modes.inherent_damping[:, None]
+    np.testing.assert_allclose(both["damping_ratio"].transpose("mode", "gamma"), expected, rtol=1e-12)
+
+
+def test_dampers_at_mirrored_points_damp_alike():
+    left, right = (pinned_string(3).at((x, 0, 0)) for x in (0.3, 0.7))
+    share = several_dampers(study(left, rising), [left, right])["damper_share"]
+    np.testing.assert_allclose(share.isel(damper=0), share.isel(damper=1), rtol=1e-12)
+
+
+def test_two_dampers_are_the_sum_where_they_must_be():
+    """Constant effectiveness: what each adds is its own, however hard it is shaken."""
+    here, there = (pinned_string(3).at((x, 0, 0)) for x in (0.5, 0.25))
+    here, there = here.pick([1, 3]), there.pick([1, 3])
+    both = several_dampers(study(here, constant), [here, there])["damping_ratio"]
+    gamma = np.array([2.0, 4.0, 8.0])
+    expected = alone(here, constant, gamma) + alone(there, constant, gamma) + here.inherent_damping[:, None]
+    np.testing.assert_allclose(both.sel(gamma=gamma).transpose("mode", "gamma"), expected, rtol=1e-12)
+
+
+def test_each_damper_is_shaken_as_hard_as_its_place_moves():
+    """Effectiveness a Gamma: zeta = (2 / pi) m a Gamma (phi_1^2 + |phi_2|^3 / phi_1)."""
+    here, there = (pinned_string(1).at((x, 0, 0)) for x in (0.5, 0.25))
+    both = several_dampers(study(here, rising), [here, there])["damping_ratio"].sel(mode=1)
+    phi, other = here.amplitude[0], there.amplitude[0]
+    expected = 2 / math.pi * MASS * 0.1 * both["gamma"] * (phi**2 + other**3 / phi) + 0.001
+    np.testing.assert_allclose(both.sel(gamma=[2, 4, 8]), expected.sel(gamma=[2, 4, 8]), rtol=1e-12)
+    assert np.isnan(both.sel(gamma=1))  # the other damper is at 0.71 there, below what was run
+
+
+def test_a_damper_on_a_node_adds_nothing():
+    here, node = (pinned_string(2).at((x, 0, 0)) for x in (0.25, 0.5))
+    both = several_dampers(study(here, rising), [here, node])
+    assert (both["damper_share"].sel(mode=2).isel(damper=1) == 0).all()
+    with pytest.raises(ValueError, match="mode 2 has a node at the reference damper"):
+        several_dampers(study(here, rising), [here, node], reference=1)
+
+
+def test_different_dampers_bring_a_study_each():
+    modes = pinned_string(1).at((0.5, 0, 0))
+    both = several_dampers([study(modes, rising), study(modes, constant)], [modes, modes])
+    gamma = both["gamma"].values
+    expected = alone(modes, rising, gamma) + alone(modes, constant, gamma) + 0.001
+    np.testing.assert_allclose(both["damping_ratio"], expected, rtol=1e-12)
+    # 2 % of either seed's energy, over the root of two seeds; added, since equal dampers share their beds
+    error = 0.02 * math.sqrt(0.9**2 + 1.1**2) / 2 * (expected - 0.001)
+    np.testing.assert_allclose(both["damping_ratio_standard_error"], error, rtol=1e-12)
+
+
+def test_a_study_at_other_frequencies_is_refused():
+    modes = pinned_string(2).at((0.3, 0, 0))
+    other = replace(modes, frequency=modes.frequency * 1.05)
+    with pytest.raises(ValueError, match=r"run at 10, 40 Hz, the modes lie at 10\.5, 42 Hz: run it with"):
+        several_dampers(study(modes, rising), [other, other])
 
 
 @pytest.mark.parametrize(("f", "phi"), [(39.367, 1.6627), (727.03, 0.5458)])
@@ -93,7 +168,7 @@ def test_the_chain_is_an_identity(f, phi):
 
 def test_the_papers_largest_damping_ratios():
     """0.0423, 0.00903 and 0.00455 for eps = 1 in modes 1, 3 and 5."""
-    phi = np.array([p for _, p in TIMOSHENKO[0.0239985]])
+    phi = np.array([1.6627, 0.7692, 0.5458])
     np.testing.assert_allclose(2 / math.pi * 0.0239985 * phi**2, [0.0423, 0.00903, 0.00455], rtol=3e-3)
 
 

@@ -109,7 +109,15 @@ def accuracy(
 
 
 @app.command()
-def modes(config: ConfigArgument) -> None:
+def modes(
+    config: ConfigArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="Write those with the particles: a picture (.png), or a .csv or .uff file."
+        ),
+    ] = None,
+) -> None:
     """Show the structure's modes, without and with the particles' mass."""
     from rich.console import Console
 
@@ -124,12 +132,18 @@ def modes(config: ConfigArgument) -> None:
             raise checked.error("structure", "missing: there are no modes without a structure")
         _, single = next(points(checked))
         single._source = checked._source
-        masses = sorted({0.0, *(particle_mass(point) for _, point in points(checked))})
-        tables = [(m, modes_table(study.modes(single, particles=m))) for m in masses]
+        masses = {particle_mass(point) for _, point in points(checked)}
+        if not checked.structure.particles_included:
+            masses.add(0.0)
+        found = {m: study.modes(single, particles=m) for m in sorted(masses)}
+        if output:
+            from .modal.export import export
+
+            export(found[max(masses)], output, title=checked.title)
     console = Console()
-    for particles, table in tables:
+    for particles, own in found.items():
         console.print(f"with {1e3 * particles:.2f} g of particles", highlight=False)
-        console.print(table)
+        console.print(modes_table(own))
 
 
 @app.command()

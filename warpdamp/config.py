@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
     BaseModel,
@@ -22,70 +23,17 @@ from .config_damper import (
     EffectsConfig,
     ExcitationConfig,
     MaterialConfig,
-    Model,
     between,
 )
+from .fields import POSITIVE as _positive
+from .fields import Model
+from .structure import StructureConfig
 from .tolerance import FEWEST_PACKINGS, PRESETS
-from .units import Length, Mass, Number, Time
-
-_positive, _not_negative = Field(gt=0), Field(ge=0)
+from .units import Number, Time
 
 
 class ConfigError(ValueError):
     """What is wrong with a configuration: one line an error, each with its place."""
-
-
-class BeamConfig(Model):
-    """A beam of rectangular section that bends across its thickness."""
-
-    length: Annotated[Length, _positive]
-    width: Annotated[Length, _positive]
-    thickness: Annotated[Length, _positive]
-    material: str
-    supports: tuple[Literal["clamped", "free"], Literal["clamped", "free"]] = ("clamped", "clamped")
-
-    @model_validator(mode="after")
-    def _held(self):
-        if "clamped" not in self.supports:
-            raise ValueError("supports: a beam that is free at both ends is not held: clamp one end")
-        return self
-
-
-class PointMassConfig(Model):
-    """The empty damper and its fixtures."""
-
-    mass: Annotated[Mass, _not_negative]
-    position: Annotated[Length, _not_negative]
-
-
-class StructureConfig(Model):
-    """The vibrating structure that the damper sits on."""
-
-    beam: BeamConfig
-    point_mass: PointMassConfig
-    modes: Annotated[list[Annotated[StrictInt, Field(ge=1, le=20)]], Field(min_length=1)]
-    inherent_damping: Annotated[Number, _not_negative] | list[Annotated[Number, _not_negative]] = 0.0
-
-    @model_validator(mode="after")
-    def _consistent(self):
-        if self.point_mass.position > self.beam.length:
-            raise ValueError("point_mass.position: lies beyond the end of the beam")
-        for end, support in zip((0.0, self.beam.length), self.beam.supports, strict=True):
-            if support == "clamped" and self.point_mass.position == end:
-                raise ValueError("point_mass.position: is at a clamped end, which does not move")
-        if len(set(self.modes)) < len(self.modes):
-            raise ValueError("modes: each mode once")
-        if isinstance(self.inherent_damping, list) and len(self.inherent_damping) != len(self.modes):
-            raise ValueError(
-                f"inherent_damping: {len(self.inherent_damping)} values for {len(self.modes)} modes: "
-                "give one, or one per mode"
-            )
-        return self
-
-    def inherent(self) -> list[float]:
-        """Inherent damping ratio of each mode."""
-        given = self.inherent_damping
-        return given if isinstance(given, list) else [given] * len(self.modes)
 
 
 class SteadyConfig(Model):
@@ -146,7 +94,7 @@ class Config(Model):
     accuracy: AccuracyConfig | None = None
     effects: EffectsConfig = EffectsConfig()
     numerics: NumericsConfig = NumericsConfig()
-    seeds: Annotated[list[Annotated[StrictInt, Field(ge=0)]], Field(min_length=1)] = [1]  # noqa: RUF012 - copied by pydantic
+    seeds: list[Annotated[StrictInt, Field(ge=0)]] = Field([1], min_length=1)
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 
@@ -167,17 +115,17 @@ class Config(Model):
     @model_validator(mode="after")
     def _consistent(self):
         named = self.damper.materials()
-        if self.structure:
-            named["structure.beam.material"] = self.structure.beam.material
+        own = self.structure.material if self.structure else None
+        if own:
+            named[f"structure.{self.structure.source}.material"] = own
         for place, name in named.items():
             if name not in self.materials:
                 raise ValueError(f"{place}: there is no material '{name}'{_suggestion(name, self.materials)}")
         for name in self.materials:
             if name not in named.values():
                 raise ValueError(f"materials.{name}: is not used by anything")
-        held = self.materials[self.structure.beam.material] if self.structure else None
-        if held and any(isinstance(value, list) for value in vars(held).values()):
-            raise ValueError("structure.beam.material: the structure's material cannot be swept")
+        if own and any(isinstance(value, list) for value in vars(self.materials[own]).values()):
+            raise ValueError(f"structure.{self.structure.source}.material: the structure's material cannot be swept")
         if self.excitation.frequency == "modes" and not self.structure:
             raise ValueError("excitation.frequency: 'modes' needs a structure; give frequencies, as [46 Hz, 100 Hz]")
         gravities = self.excitation.gravity if isinstance(self.excitation.gravity, list) else [self.excitation.gravity]
@@ -305,7 +253,7 @@ def _telling(errors, data):
 def _pointed(loc, message, data):
     """A model's error that starts with a key of its own ("modes: each mode once") is placed at that key."""
     head, _, rest = message.partition(": ")
-    target = (*loc, *head.split("."))
+    target = (*loc, *(int(key) if key.isdecimal() else key for key in head.split(".")))
     if rest and len(_keys(data, target)) == len(target):
         return target, rest
     return loc, message
@@ -338,12 +286,18 @@ def _known_keys(loc) -> list[str]:
     """Keys allowed at a location, from the models' own fields."""
     model: Any = Config
     for part in loc:
-        field = getattr(model, "model_fields", {}).get(part)
-        candidates = [field.annotation, *getattr(field.annotation, "__args__", ())] if field else [MaterialConfig]
-        model = next((c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel)), None)
-        if model is None:
-            return list(MaterialConfig.model_fields)
+        field = model.model_fields.get(part)
+        if field:  # otherwise an item of a list, or a name of the user's own
+            model = next(_models(field.annotation), model)
     return list(model.model_fields)
+
+
+def _models(annotation) -> Iterator[type[BaseModel]]:
+    """The models that an annotation is made of."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _models(part)
 
 
 def _closest(name, known) -> str | None:

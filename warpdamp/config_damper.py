@@ -6,27 +6,21 @@ import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, field_validator, model_validator
+from pydantic import BeforeValidator, Field, StrictInt, field_validator, model_validator
 
+from .fields import NOT_NEGATIVE as _not_negative
+from .fields import POSITIVE as _positive
+from .fields import Model
 from .units import Acceleration, Density, Frequency, Length, Number, Pressure
 
 WALLS = "walls"
 """Stands for the enclosure in the keys of ``contact.pairs``."""
 
 
-class Model(BaseModel):
-    """Refuses unknown keys and numbers that are not finite."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
 def _swept(kind, *constraints):
     """One value, or a list of different ones that becomes an axis."""
     one = Annotated[kind, *constraints]
     return one | Annotated[list[one], Field(min_length=1)]
-
-
-_positive, _not_negative = Field(gt=0), Field(ge=0)
 
 
 def between(key: str) -> tuple[str, str]:
@@ -58,7 +52,7 @@ class ContactConfig(SurfaceConfig):
     """
 
     walls: SurfaceConfig | None = None
-    pairs: dict[Annotated[str, Field(pattern=r"^\S+ with \S+$")], SurfaceConfig] = {}
+    pairs: dict[Annotated[str, Field(pattern=r"^\S+ with \S+$")], SurfaceConfig] = Field({})
 
 
 class EnclosureConfig(Model):

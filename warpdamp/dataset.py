@@ -21,6 +21,14 @@ if TYPE_CHECKING:
 
     from .shaking import Spec
 
+MODAL = {
+    "natural_frequency": "frequency",
+    "mode_amplitude": "amplitude",
+    "modal_mass": "modal_mass",
+    "inherent_damping": "inherent_damping",
+}
+"""Variables of the results, and what of ``Modes`` they hold."""
+
 
 def assemble(config: Config, every: list[Point], specs: Iterable[Spec], values: dict) -> xr.Dataset:
     """Assemble the cases, in whatever order they came, on (frequency, gamma, swept scalars, seed)."""
@@ -63,7 +71,7 @@ def assemble(config: Config, every: list[Point], specs: Iterable[Spec], values: 
     dataset["displacement"] = speed / (2 * np.pi * dataset["excitation_frequency"])
     dataset["effectiveness"] = dataset["energy_dissipated"] / dataset["maximum_energy"]
     dataset["effectiveness_standard_error"] = dataset["energy_dissipated_standard_error"] / dataset["maximum_energy"]
-    if config.structure:
+    if config.structure and config.structure.point_mass:
         total = config.structure.point_mass.mass + xr.DataArray(particles, dims=point_dims[1:])
         dataset["normalised_damping"] = normalised_damping(dataset["energy_dissipated"], speed, total)
     dataset = dataset.drop_vars("maximum_energy")
@@ -82,14 +90,16 @@ def _modal(config: Config, every: list[Point], dataset: xr.Dataset, swept: list[
     import xarray as xr
 
     dims = ("mode", *(axis.name for axis in swept))
-    shape = (len(config.structure.modes), *(len(axis.values) for axis in swept))
-    table = {name: np.empty(shape) for name in ("natural_frequency", "mode_amplitude", "modal_mass")}
+    first = every[0].modes
+    shape = (len(first.number), *(len(axis.values) for axis in swept))
+    table = {name: np.empty(shape) for name in MODAL}
     for point in every:
         at = (slice(None), *point.index)
-        table["natural_frequency"][at] = point.modes.frequency
-        table["mode_amplitude"][at] = point.modes.amplitude
-        table["modal_mass"][at] = point.modes.modal_mass
-    coords = {"mode": ("mode", config.structure.modes, {"units": "1", "long_name": "bending mode"})}
+        for name, attribute in MODAL.items():
+            table[name][at] = getattr(point.modes, attribute)
+    coords = {
+        "mode": ("mode", first.number, {"units": "1", "long_name": "bending mode" if config.structure.beam else "mode"})
+    }
     modal = xr.Dataset({name: (dims, values) for name, values in table.items()}, coords)
 
     def to_mode(array):
@@ -98,8 +108,7 @@ def _modal(config: Config, every: list[Point], dataset: xr.Dataset, swept: list[
     per_joule = damping_ratio(
         1.0, to_mode(dataset["displacement"]), modal["mode_amplitude"], modal["natural_frequency"]
     )
-    inherent = xr.DataArray(config.structure.inherent(), dims="mode", coords={"mode": modal["mode"]})
-    modal["damping_ratio"] = per_joule * to_mode(dataset["energy_mean"]) + inherent
+    modal["damping_ratio"] = per_joule * to_mode(dataset["energy_mean"]) + modal["inherent_damping"]
     modal["damping_ratio_standard_error"] = per_joule * to_mode(dataset["energy_mean_standard_error"])
     return modal.drop_vars("frequency", errors="ignore")
 

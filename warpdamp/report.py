@@ -18,12 +18,14 @@ if TYPE_CHECKING:
 
 
 def modes_table(modes) -> Table:
-    """Number, frequency, shape at the damper and modal mass of each mode."""
-    table = _table("mode", "f [Hz]", "phi [kg^-½]", "modal mass [kg]")
-    for number, frequency, amplitude, mass in zip(
-        modes.number, modes.frequency, modes.amplitude, modes.modal_mass, strict=True
+    """Number, frequency, shape at the damper, modal mass and, where there is any, inherent damping of each mode."""
+    damped = int(np.any(modes.inherent_damping > 0))
+    table = _table("mode", "f [Hz]", "phi [kg^-½]", "modal mass [kg]", *["inherent damping"] * damped)
+    for number, frequency, amplitude, mass, damping in zip(
+        modes.number, modes.frequency, modes.amplitude, modes.modal_mass, modes.inherent_damping, strict=True
     ):
-        table.add_row(f"{number}", f"{frequency:.2f}", f"{amplitude:.4f}", f"{mass:.4f}")
+        own = [f"{100 * damping:.3g} %"] * damped
+        table.add_row(f"{number}", f"{frequency:.2f}", f"{amplitude:.4f}", f"{mass:.4f}", *own)
     return table
 
 

@@ -81,6 +81,7 @@ VARIABLES = {
     "fitted_damping_ratio_standard_error": ("1", "standard error of the fitted damping ratio"),
     "fitted_modal_constant": ("kg-1", "size of the modal constant fitted to the FRF"),
     "within_range": ("1", "whether Gamma lies in the range of the damper's results"),
+    "inherent_damping": ("1", "damping ratio without the damper"),
 }
 NOT_RUN = -1
 """Stands in integer variables for a case that was not run."""

@@ -18,7 +18,8 @@ import numpy as np
 from .config import Config, load
 from .dataset import assemble
 from .scene import STANDARD_GRAVITY
-from .sweep import Point, as_list, drive, grains, material, particle_mass, points, scene
+from .sources import modes
+from .sweep import Point, as_list, drive, grains, particle_mass, points, scene
 from .tolerance import applied, first_round, next_round
 
 if TYPE_CHECKING:
@@ -57,40 +58,6 @@ def shortened(config: Config) -> Config:
     short = config.model_copy(update=change)
     short._source = config._source
     return short
-
-
-def modes(config: Config, *, particles: float) -> Modes:
-    """The configured modes of the structure carrying ``particles`` [kg].
-
-    Raises
-    ------
-    ConfigError
-        If a mode does not exist or has a node at the damper.
-    """
-    from .modal.fem import beam_modes
-
-    structure = config.structure
-    every = beam_modes(beam(config), particle_mass=particles, highest=max(structure.modes))
-    try:
-        return every.pick(structure.modes)
-    except ValueError as error:
-        raise config.error("structure.modes", str(error)) from None
-
-
-def beam(config: Config):
-    """The configured beam."""
-    from .modal.fem import Beam
-
-    structure = config.structure
-    return Beam(
-        length=structure.beam.length,
-        width=structure.beam.width,
-        thickness=structure.beam.thickness,
-        material=material(config, structure.beam.material),
-        supports=structure.beam.supports,
-        mass_position=structure.point_mass.position,
-        mass=structure.point_mass.mass,
-    )
 
 
 def run(

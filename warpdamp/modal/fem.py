@@ -1,55 +1,212 @@
-"""A straight beam in three-dimensional finite elements, with a point mass: its bending modes by scikit-fem.
+"""Three-dimensional elasticity on scikit-fem meshes: stiffness, mass, and the modes of what is held and loaded.
 
-Triquadratic hexahedra, four across the width and two across the thickness, graded along the length towards the
-supports and the mass: the clamps hold back Poisson's contraction in a boundary layer, and the mass bends the beam
-sharply.
+Displacements are numbered component by component, each on the same scalar basis of n nodes: that of node i along axis
+j is number j n + i.  Nine scalar blocks D_ij = int d_i v d_j u give the whole stiffness,
+lambda D_ij + mu (D_ji + delta_ij sum_k D_kk), fifty times faster than a vector element's assembly.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import block_diag, bmat, csr_matrix
-from scipy.sparse.linalg import eigsh
+from scipy.linalg import eigh
+from scipy.sparse import block_diag, bmat, kron, spmatrix
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from ..scene import Material
-from .modes import Modes
 
-Support = Literal["clamped", "free"]
+if TYPE_CHECKING:
+    from skfem import Basis
+
+AXES = (0, 1, 2)
 
 
 @dataclass(frozen=True)
-class Beam:
-    """A beam of rectangular section along x, bending across its thickness (z).
+class Solid:
+    """A discretised elastic solid.
 
     Parameters
     ----------
-    length, width, thickness : [m]
-    material : Material
-    supports : how the ends x = 0 and x = length are held
-    mass_position : of the attached mass and the damper [m]
-    mass : attached, without particles [kg]
-    finest, coarsest : element lengths at the ends and the mass, and far from them, in thicknesses
+    stiffness, mass : (3 n, 3 n) sparse matrices [N/m, kg]
+    place : (3, n) array, positions of the nodes [m]
+    guess : about the square of its lowest angular frequency, to an order of magnitude or two [rad^2/s^2]
+    held : (3 n,) array of bool, displacements that are kept at zero
     """
 
-    length: float
-    width: float
-    thickness: float
-    material: Material
-    supports: tuple[Support, Support] = ("clamped", "clamped")
-    mass_position: float = 0.0
-    mass: float = 0.0
-    finest: float = 0.125
-    coarsest: float = 1.5
+    stiffness: spmatrix
+    mass: spmatrix
+    place: np.ndarray
+    guess: float
+    held: np.ndarray
 
-    @property
-    def section(self) -> float:
-        """Area [m^2]."""
-        return self.width * self.thickness
+    def hold(self, nodes, axes=AXES) -> Solid:
+        """The same solid with the displacement of ``nodes`` (array of bool) kept at zero along ``axes``."""
+        held = self.held.copy()
+        for axis in axes:
+            held[axis * len(nodes) :][: len(nodes)] |= nodes
+        return replace(self, held=held)
+
+
+def forms(basis: Basis, derivatives) -> dict:
+    """Matrices int d_a v d_b u for every a and b of ``derivatives``; None stands for the function itself."""
+    from skfem import BilinearForm
+
+    def d(f, a):
+        return f if a is None else f.grad[a]
+
+    return {
+        (a, b): BilinearForm(lambda u, v, w, a=a, b=b: d(v, a) * d(u, b)).assemble(basis)
+        for a, b in itertools.product(derivatives, repeat=2)
+    }
+
+
+def meshed(basis: Basis, material: Material) -> Solid:
+    """The solid that a three-dimensional basis describes."""
+    form = forms(basis, AXES)
+    volume = forms(basis, (None,))[None, None]
+    return _solid(form, volume, basis.doflocs, material)
+
+
+def extruded(section: Basis, stations, material: Material, *, along: int) -> Solid:
+    """The solid that a plane basis sweeps along an axis, on quadratic elements between ``stations`` [m].
+
+    Every block is a Kronecker product of a matrix along the axis and one of the section, so that any plane mesh will
+    do.  Node k s + i is node i of the s of the section at the k-th of the planes, those between stations included.
+    """
+    from skfem import Basis, ElementLineP2, MeshLine
+
+    line = Basis(MeshLine(np.asarray(stations)), ElementLineP2(), intorder=4)
+    order = np.argsort(line.doflocs[0])
+    one = {key: matrix[order][:, order] for key, matrix in forms(line, (None, 0)).items()}
+    two = forms(section, (None, 0, 1))
+    others = [axis for axis in AXES if axis != along]
+
+    def part(axis):
+        """Derivative along the line, derivative in the section."""
+        return (0, None) if axis == along else (None, others.index(axis))
+
+    blocks = {}
+    for i, j in itertools.product(AXES, repeat=2):
+        (line_i, section_i), (line_j, section_j) = part(i), part(j)
+        blocks[i, j] = kron(one[line_i, line_j], two[section_i, section_j], format="csr")
+    volume = kron(one[None, None], two[None, None], format="csr")
+
+    planes, nodes = len(order), section.N
+    place = np.empty((3, planes * nodes))
+    place[along] = np.repeat(line.doflocs[0][order], nodes)
+    place[others] = np.tile(section.doflocs, planes)
+    return _solid(blocks, volume, place, material)
+
+
+def _solid(form: dict, volume, place, material: Material) -> Solid:
+    from skfem.models.elasticity import lame_parameters
+
+    first, shear = lame_parameters(material.youngs_modulus, material.poissons_ratio)
+    laplace = form[0, 0] + form[1, 1] + form[2, 2]
+    stiffness = bmat(
+        [[first * form[i, j] + shear * (form[j, i] + (laplace if i == j else 0)) for j in AXES] for i in AXES]
+    )
+    thin, _, long = np.sort(np.ptp(place, axis=1))
+    bending = material.youngs_modulus / material.density / 12 * (math.pi**2 * thin / long**2) ** 2
+    held = np.zeros(place.size, bool)
+    return Solid(stiffness.tocsr(), block_diag([material.density * volume] * 3).tocsr(), place, bending, held)
+
+
+def integrals(basis: Basis, weight: Callable) -> np.ndarray:
+    """(n,) integrals of the basis functions times ``weight(place)``."""
+    from skfem import LinearForm
+
+    return LinearForm(lambda v, w: v * weight(w.x)).assemble(basis)
+
+
+def elastic_modes(solid: Solid, attached: spmatrix, select: Callable, *, count: int):
+    """The lowest modes that strain the solid, mass-normalised.
+
+    Parameters
+    ----------
+    solid : Solid
+    attached : (3 n, 3 n) sparse matrix, what is fixed to the solid adds to its mass [kg]
+    select : ``select(squares, vectors)`` returns the modes wanted, or None for more to select from
+    count : number of modes to begin with
+
+    Returns
+    -------
+    What ``select`` returned, of squares (m,) of angular frequencies and vectors (3 n, m).
+    """
+    free = np.flatnonzero(~solid.held)
+    stiffness = solid.stiffness[free][:, free].tocsc()
+    mass = (solid.mass + attached)[free][:, free].tocsc()
+    # what moves without strain cannot be factorised, and a shift keeps clear of it
+    shift = 0.0 if _is_held(solid) else -solid.guess
+    inverse = _inverse(stiffness - shift * mass)
+    start = np.ones(len(free))  # a fixed start: the same modes to the bit on every run
+    while True:
+        count = min(count, len(free) - 2)
+        squares, found = eigsh(stiffness, count, mass, sigma=shift, OPinv=inverse, v0=start)
+        vectors = np.zeros((len(solid.held), count))
+        vectors[free] = found
+        strained = ~_rigid(solid, vectors)
+        selected = select(squares[strained], vectors[:, strained])
+        if selected is not None:
+            return selected
+        if count == len(free) - 2:
+            raise ValueError("the mesh is too coarse for so many modes")
+        count *= 2
+
+
+def _inverse(matrix) -> LinearOperator:
+    """Of a symmetric positive definite matrix: ordered and factorised as such, with a fifth of eigsh's own fill."""
+    factors = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    return LinearOperator(matrix.shape, factors.solve, dtype=float)
+
+
+def _rigid_motions(solid: Solid) -> np.ndarray:
+    """(3 n, 6) displacements of three translations and three small rotations about the middle."""
+    zero, one = np.zeros(solid.place.shape[1]), np.ones(solid.place.shape[1])
+    x, y, z = solid.place - solid.place.mean(axis=1)[:, None]
+    columns = [(one, zero, zero), (zero, one, zero), (zero, zero, one), (zero, -z, y), (z, zero, -x), (-y, x, zero)]
+    return np.array([np.concatenate(column) for column in columns]).T
+
+
+def _is_held(solid: Solid) -> bool:
+    """Whether no rigid motion is left: none vanishes wherever displacements are held."""
+    motions = _rigid_motions(solid)
+    motions = motions / np.abs(motions).max(axis=0)
+    return np.linalg.matrix_rank(motions[solid.held], tol=1e-6) == 6 if solid.held.any() else False
+
+
+def _rigid(solid: Solid, vectors) -> np.ndarray:
+    """Which vectors are rigid motions: those that lie in their span, by the solid's own mass."""
+    motions = _rigid_motions(solid)
+    weighed = solid.mass @ motions
+    seen = weighed.T @ vectors
+    inside = np.einsum("im,im->m", seen, np.linalg.solve(motions.T @ weighed, seen))
+    whole = np.einsum("im,im->m", vectors, solid.mass @ vectors)
+    return inside > (1 - 1e-6) * whole
+
+
+def turned(squares, vectors, seen):
+    """Modes of all but equal frequency, turned so that the rows ``seen`` (r, m) of them are orthogonal, largest first.
+
+    Any mixture of such modes is a mode: a round beam bends any way.  Turned by the motion of interest, one of them has
+    all that there is of it.  All but equal is 0.05 %, so that a mesh slightly off its symmetry does no harm.
+
+    Returns ``squares``, ``vectors``, ``seen``.
+    """
+    squares, vectors, seen = squares.copy(), vectors.copy(), seen.copy()
+    edges = np.flatnonzero(np.diff(squares) > 1e-3 * squares[1:]) + 1
+    for group in np.split(np.arange(len(squares)), edges):
+        if len(group) > 1:
+            _, turn = eigh(seen[:, group].T @ seen[:, group])
+            turn = turn[:, ::-1]
+            squares[group] = (turn**2).T @ squares[group]
+            vectors[:, group], seen[:, group] = vectors[:, group] @ turn, seen[:, group] @ turn
+    return squares, vectors, seen
 
 
 def graded(points, finest: float, coarsest: float) -> np.ndarray:
@@ -66,117 +223,3 @@ def graded(points, finest: float, coarsest: float) -> np.ndarray:
         n = math.ceil(count[-1])
         stations += list(np.interp(np.arange(1, n + 1) * count[-1] / n, count, fine))
     return np.array(stations)
-
-
-def beam_modes(beam: Beam, *, particle_mass: float = 0.0, highest: int = 5) -> Modes:
-    """Bending modes 1 .. ``highest`` of a beam with its attached mass and the particles'.
-
-    Modes are found by shape, not by their place in the spectrum: those whose kinetic energy is that of the centre line
-    moving across the thickness.  Torsion and lateral modes lie between them.
-
-    Parameters
-    ----------
-    beam : Beam
-    particle_mass : added to the point mass [kg]
-    highest : number of the highest mode wanted
-    """
-    stiffness, mass, tie, line, station = _assemble(beam)
-    total = beam.mass + particle_mass
-    mass = mass + total * (tie.T @ tie)
-
-    wanted = 3 * highest + 3
-    while True:
-        wanted = min(wanted, stiffness.shape[0] - 2)
-        start = np.ones(stiffness.shape[0])  # a fixed start: the same modes to the bit on every run
-        values, vectors = eigsh(stiffness, wanted, mass, sigma=0.0, v0=start)
-        at_mass = np.asarray(tie @ vectors)[2]
-        shapes = np.asarray(line @ vectors).T
-        line_density = beam.material.density * beam.section
-        share = np.trapezoid(line_density * shapes**2, station, axis=1) + total * at_mass**2
-        bending = np.flatnonzero(share > 0.5)
-        if len(bending) >= highest or wanted == stiffness.shape[0] - 2:
-            break
-        wanted *= 2
-
-    bending = bending[:highest]
-    sign = np.where(at_mass[bending] < 0, -1.0, 1.0)
-    return Modes(
-        number=np.arange(1, len(bending) + 1),
-        frequency=np.sqrt(values[bending]) / (2 * np.pi),
-        amplitude=sign * at_mass[bending],
-        station=station,
-        shape=sign[:, None] * shapes[bending],
-    )
-
-
-def _assemble(beam: Beam):
-    """Stiffness and mass of the free degrees of freedom, and two read-outs of them.
-
-    Displacements are numbered component by component, each on the same scalar basis: nine scalar blocks
-    D_ij = int d_i v d_j u give the whole stiffness, lambda D_ij + mu (D_ji + delta_ij sum_k D_kk), fifty times faster
-    than a vector element's assembly.
-
-    Returns ``stiffness``, ``mass``, ``tie`` (3 rows: mean displacement of the section at the mass), ``line`` (centre
-    line's z displacement at ``station``), ``station``.
-    """
-    from skfem import Basis, BilinearForm, ElementHex2, MeshHex
-    from skfem.models.elasticity import lame_parameters
-
-    stations = graded(
-        sorted({0.0, beam.mass_position, beam.length}), beam.finest * beam.thickness, beam.coarsest * beam.thickness
-    )
-    across, through = np.linspace(-0.5, 0.5, 5) * beam.width, np.linspace(-0.5, 0.5, 3) * beam.thickness
-    mesh = MeshHex.init_tensor(stations, across, through)
-    basis = Basis(mesh, ElementHex2(), intorder=4)
-    axes = range(3)
-
-    block = [
-        [BilinearForm(lambda u, v, w, i=i, j=j: v.grad[i] * u.grad[j]).assemble(basis) for j in axes] for i in axes
-    ]
-    first, shear = lame_parameters(beam.material.youngs_modulus, beam.material.poissons_ratio)
-    laplace = block[0][0] + block[1][1] + block[2][2]
-    stiffness = bmat(
-        [[first * block[i][j] + shear * (block[j][i] + (laplace if i == j else 0)) for j in axes] for i in axes]
-    ).tocsc()
-    density = BilinearForm(lambda u, v, w: beam.material.density * u * v).assemble(basis)
-    mass = block_diag([density] * 3).tocsc()
-
-    near = 1e-9 * beam.length
-    held = [
-        basis.get_dofs(lambda p, end=end: np.isclose(p[0], end, atol=near)).all()
-        for end, support in zip((0.0, beam.length), beam.supports, strict=True)
-        if support == "clamped"
-    ]
-    one = np.setdiff1d(np.arange(basis.N), np.concatenate(held))
-    free = np.concatenate([axis * basis.N + one for axis in axes])
-
-    x, y, z = basis.doflocs
-    weights = _section_weights(across, through)
-    at_mass = np.flatnonzero(np.isclose(x, beam.mass_position, atol=near))
-    mean = np.zeros(basis.N)
-    mean[at_mass] = [weights[_place(y[k], across), _place(z[k], through)] for k in at_mass]
-    tie = block_diag([csr_matrix(mean)] * 3).tocsr()
-
-    centre = np.flatnonzero(np.isclose(y, 0, atol=near) & np.isclose(z, 0, atol=near))
-    centre = centre[np.argsort(x[centre])]
-    line = csr_matrix(
-        (np.ones(len(centre)), (np.arange(len(centre)), 2 * basis.N + centre)), shape=(len(centre), 3 * basis.N)
-    )
-    return stiffness[free][:, free], mass[free][:, free], tie[:, free], line[:, free], x[centre]
-
-
-def _section_weights(across, through) -> np.ndarray:
-    """Weights of the nodes of a section in the mean over it: Simpson's rule, exact for quadratic elements."""
-    lines = []
-    for stations in (across, through):
-        n = len(stations) - 1
-        line = np.zeros(2 * n + 1)
-        for k in range(n):
-            line[2 * k : 2 * k + 3] += np.array([1, 4, 1]) / (6 * n)
-        lines.append(line)
-    return np.outer(*lines)
-
-
-def _place(coordinate, stations) -> int:
-    """Number of a node along evenly spaced stations with one node between each two."""
-    return round((coordinate - stations[0]) / (stations[1] - stations[0]) * 2)

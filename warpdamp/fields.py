@@ -1,0 +1,13 @@
+"""What the models of the configuration are made of."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+POSITIVE, NOT_NEGATIVE = Field(gt=0), Field(ge=0)
+
+
+class Model(BaseModel):
+    """A part of the configuration: no unknown keys, no changes, only finite numbers."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)

@@ -1,0 +1,135 @@
+"""A straight beam in three-dimensional finite elements, with point masses: its bending modes.
+
+The section's mesh is swept along the beam, graded towards the supports and the masses: clamps hold back Poisson's
+contraction in a boundary layer, and masses bend the beam sharply.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from scipy.sparse import diags, eye, kron, vstack
+
+from ..scene import Material
+from .fem import Solid, elastic_modes, extruded, graded, integrals, turned
+from .modes import Modes
+from .section import Section, moments
+
+Support = Literal["clamped", "pinned", "free"]
+BENDS = {"width": 1, "thickness": 2}
+HELD = {"clamped": (0, 1, 2), "pinned": (1, 2)}
+FINEST, COARSEST = 0.125, 1.5
+"""Lengths of the elements at the ends and the masses, and far from them, in thicknesses."""
+
+
+@dataclass(frozen=True)
+class PointMass:
+    """A mass fixed to a beam: [kg], its position along the beam [m], its inertia when the beam bends there [kg m^2]."""
+
+    mass: float
+    position: float
+    rotary_inertia: float = 0.0
+
+    def loaded(self, mass: float) -> PointMass:
+        """The same with so much more mass [kg]."""
+        return replace(self, mass=self.mass + mass)
+
+
+@dataclass(frozen=True)
+class Beam:
+    """A straight beam along x.
+
+    Parameters
+    ----------
+    length : [m]
+    section : Rectangle, Circle, Tube or MeshedSection
+    material : Material
+    supports : how the ends x = 0 and x = length are held
+        A clamped section does not move; a pinned one keeps its place and may warp and turn; a free one is free.
+    bends : whether across the thickness (z) or the width (y)
+    masses : tuple of PointMass, without the damper
+    """
+
+    length: float
+    section: Section
+    material: Material
+    supports: tuple[Support, Support] = ("clamped", "clamped")
+    bends: Literal["thickness", "width"] = "thickness"
+    masses: tuple[PointMass, ...] = ()
+
+
+def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
+    """Bending modes 1 .. ``highest`` of a beam with its masses and a damper, as the damper sees them.
+
+    Modes are found by shape, not by their place in the spectrum: those whose kinetic energy is that of the sections'
+    mean motion in the direction of bending.  Torsion, stretching and bending the other way lie between them; rigid
+    motions are not counted.
+
+    Parameters
+    ----------
+    beam : Beam
+    damper : PointMass
+        Where the damper sits, and the mass of it.
+    highest : number of the highest mode wanted
+    """
+    axis = BENDS[beam.bends]
+    section = beam.section.basis()
+    masses = (damper, *beam.masses)
+    solid, station = _supported(beam, section, masses)
+    mean_of, tilt_of = _read_outs(section, len(station), axis)
+
+    load, inertia = np.zeros(len(station)), np.zeros(len(station))
+    for mass in masses:
+        row = np.argmin(np.abs(station - mass.position))
+        load[row] += mass.mass
+        inertia[row] += mass.rotary_inertia
+    attached = sum(mean.T @ diags(load) @ mean for mean in mean_of) + tilt_of.T @ diags(inertia) @ tilt_of
+
+    share = np.diff(np.concatenate([[0.0], (station[1:] + station[:-1]) / 2, [beam.length]]))
+    of_line = beam.material.density * moments(section).area * share + load
+    in_bending = vstack([diags(np.sqrt(of_line)) @ mean_of[axis], diags(np.sqrt(inertia)) @ tilt_of])
+
+    def select(squares, vectors):
+        squares, vectors, seen = turned(squares, vectors, in_bending @ vectors)
+        found = np.flatnonzero(np.sum(seen**2, axis=0) > 0.5)[:highest]
+        return (squares[found], vectors[:, found]) if len(found) == highest else None
+
+    squares, vectors = elastic_modes(solid, attached, select, count=3 * highest + 3)
+    modes = Modes(
+        number=np.arange(1, highest + 1),
+        frequency=np.sqrt(squares) / (2 * np.pi),
+        point=np.stack([station, 0 * station, 0 * station], axis=1),
+        shape=np.stack([(mean @ vectors).T for mean in mean_of], axis=2),
+        inherent_damping=np.zeros(highest),
+    )
+    return modes.at((damper.position, 0, 0), np.eye(3)[axis])
+
+
+def _supported(beam: Beam, section, masses) -> tuple[Solid, np.ndarray]:
+    """The beam on its supports, and the positions of its planes of nodes [m]."""
+    thickness = moments(section).equivalent_thickness
+    coarsest = np.clip(COARSEST * thickness, beam.length / 100, beam.length / 20)
+    points = sorted({0.0, *(mass.position for mass in masses), beam.length})
+    if points[0] < 0 or points[-1] > beam.length:
+        raise ValueError(f"a mass lies beyond the ends of the beam, 0 and {beam.length:g} m")
+    solid = extruded(section, graded(points, FINEST * thickness, coarsest), beam.material, along=0)
+    x = solid.place[0]
+    for end, support in zip((0.0, beam.length), beam.supports, strict=True):
+        if support != "free":
+            solid = solid.hold(np.isclose(x, end, atol=1e-9 * beam.length), HELD[support])
+    return solid, x[:: section.N]
+
+
+def _read_outs(section, planes: int, axis: int):
+    """Matrices that read every plane's mean displacement along x, y and z, and its mean rotation when bending."""
+    of = moments(section)
+    arm, second = (0, of.across) if axis == BENDS["width"] else (1, of.through)
+    mean = integrals(section, lambda place: 1.0) / of.area
+    tilt = integrals(section, lambda place: place[arm]) / second
+
+    def rows(weights, along):
+        return kron(np.eye(3)[along], kron(eye(planes), weights), format="csr")
+
+    return [rows(mean, along) for along in range(3)], rows(tilt, 0)

@@ -1,0 +1,153 @@
+"""Cross-sections of a beam: width along y, thickness along z, the centroid at the origin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from skfem import Basis, Mesh
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """Width along y and thickness along z [m]."""
+
+    width: float
+    thickness: float
+
+    def basis(self) -> Basis:
+        """Quadratic elements, four across the width and two across the thickness."""
+        from skfem import Basis, ElementQuad2, MeshQuad
+
+        across, through = np.linspace(-0.5, 0.5, 5) * self.width, np.linspace(-0.5, 0.5, 3) * self.thickness
+        return Basis(MeshQuad.init_tensor(across, through), ElementQuad2(), intorder=4)
+
+
+@dataclass(frozen=True)
+class Circle:
+    """A solid round section of some diameter [m]."""
+
+    diameter: float
+
+    def basis(self) -> Basis:
+        """Quadratic triangles with curved sides, sixteen of them."""
+        from skfem import ElementTriP2, MeshTri2
+
+        mesh = MeshTri2.init_circle(1).scaled(self.diameter / 2)
+        return _with_area(mesh, ElementTriP2(), np.pi / 4 * self.diameter**2)
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A round tube: outer diameter and thickness of the wall [m]."""
+
+    diameter: float
+    wall: float
+
+    def basis(self, around: int = 12) -> Basis:
+        """Quadratic quadrilaterals with curved sides, ``around`` of them, one through the wall."""
+        from dataclasses import replace
+
+        from skfem import ElementQuad2, MeshQuad, MeshQuad2
+
+        outer, inner = self.diameter / 2, self.diameter / 2 - self.wall
+        angle = 2 * np.pi * np.arange(around) / around
+        corners = np.concatenate([r * np.array([np.cos(angle), np.sin(angle)]) for r in (inner, outer)], axis=1)
+        k = np.arange(around)
+        following = (k + 1) % around
+        straight = MeshQuad2.from_mesh(MeshQuad(corners, np.array([k, around + k, around + following, following])))
+        curved = replace(straight, doflocs=_rounded(straight.doflocs, around))
+        return _with_area(curved, ElementQuad2(), np.pi * (outer**2 - inner**2))
+
+
+def _rounded(place, around: int) -> np.ndarray:
+    """Points of a regular polygon's rings, moved outwards onto the circles through its corners."""
+    sector = 2 * np.pi / around
+    from_middle = np.arctan2(place[1], place[0]) % sector - sector / 2
+    return place * np.cos(from_middle) / np.cos(sector / 2)
+
+
+def _with_area(mesh: Mesh, element, area: float) -> Basis:
+    """Parabolic sides cut a little off a circle: scaled to the right area, second moments come right, too."""
+    from skfem import Basis
+
+    of = moments(Basis(mesh, element, intorder=6))
+    return Basis(mesh.scaled(np.sqrt(area / of.area)), element, intorder=6)
+
+
+@dataclass(frozen=True)
+class MeshedSection:
+    """Any section, as a plane mesh of triangles or quadrilaterals in a file that meshio reads.
+
+    The mesh's first coordinate is taken along the width, its second along the thickness.
+
+    Parameters
+    ----------
+    file : path
+    unit : length of the mesh's unit [m]
+    """
+
+    file: Path
+    unit: float = 1.0
+
+    def basis(self) -> Basis:
+        """Quadratic elements on the mesh, moved so that its centroid is the origin.
+
+        Raises
+        ------
+        ValueError
+            If the file is no plane mesh, or if the section's principal axes are not those of the beam.
+        """
+        from skfem import Basis, ElementQuad2, ElementTriP2, MeshQuad1, MeshTri1
+
+        from .meshfile import load_mesh
+
+        mesh = load_mesh(self.file, self.unit)
+        if not isinstance(mesh, MeshTri1 | MeshQuad1):
+            raise ValueError(f"{self.file} holds a {type(mesh).__name__}: a section is a plane mesh")
+        element = ElementTriP2() if isinstance(mesh, MeshTri1) else ElementQuad2()
+        centroid = moments(Basis(mesh, element, intorder=6)).centroid
+        basis = Basis(mesh.translated(-centroid), element, intorder=6)
+        of = moments(basis)
+        if abs(of.mixed) > 0.01 * max(of.across, of.through):
+            turn = np.degrees(0.5 * np.arctan2(2 * of.mixed, of.across - of.through))
+            raise ValueError(
+                f"{self.file}: the section's principal axes are turned by {turn:.1f} degrees: it would not bend along "
+                "y or z; turn the mesh"
+            )
+        return basis
+
+
+Section = Rectangle | Circle | Tube | MeshedSection
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Of a section: area [m^2], centroid (2,) [m], int y^2, int z^2 and int y z about the origin [m^4]."""
+
+    area: float
+    centroid: np.ndarray
+    across: float
+    through: float
+    mixed: float
+
+    @property
+    def equivalent_thickness(self) -> float:
+        """Thickness of the rectangle with its smaller radius of gyration [m]."""
+        return float(np.sqrt(12 * min(self.across, self.through) / self.area))
+
+
+def moments(basis: Basis) -> Moments:
+    """Area and moments of the section that a plane basis covers."""
+    from skfem import Functional
+
+    def over(f):
+        return float(Functional(lambda w: f(*w.x)).assemble(basis))
+
+    area = over(lambda y, z: 1.0 + 0 * y)
+    centroid = np.array([over(lambda y, z: y), over(lambda y, z: z)]) / area
+    return Moments(area, centroid, over(lambda y, z: y**2), over(lambda y, z: z**2), over(lambda y, z: y * z))
