@@ -18,6 +18,10 @@ PHYSICS_VERSION = 2
 
 _HOMES = {
     "run": "study",
+    "carry_out": "study",
+    "collect": "study",
+    "open_results": "accessor",
+    "StoreError": "files",
     "load": "config",
     "Config": "config",
     "ConfigError": "config",
@@ -42,6 +46,7 @@ _HOMES = {
 }
 
 if TYPE_CHECKING:
+    from .accessor import open_results as open_results
     from .config import Config as Config
     from .config import ConfigError as ConfigError
     from .config import load as load
@@ -49,6 +54,7 @@ if TYPE_CHECKING:
     from .engine import Batch as Batch
     from .engine import Case as Case
     from .engine import Simulation as Simulation
+    from .files import StoreError as StoreError
     from .guards import SimulationError as SimulationError
     from .ledger import Ledger as Ledger
     from .optimum import peaks as peaks
@@ -63,6 +69,8 @@ if TYPE_CHECKING:
     from .scene import Scene as Scene
     from .scene import State as State
     from .scene import Surface as Surface
+    from .study import carry_out as carry_out
+    from .study import collect as collect
     from .study import run as run
 
 __all__ = [*_HOMES, "PHYSICS_VERSION", "__version__"]

@@ -25,6 +25,7 @@ from .config_damper import (
     Model,
     between,
 )
+from .config_sweep import SweepConfig
 from .units import Length, Mass, Number, Time
 
 _positive, _not_negative = Field(gt=0), Field(ge=0)
@@ -127,14 +128,23 @@ class Config(Model):
     numerics: NumericsConfig = NumericsConfig()
     seeds: Annotated[list[Annotated[StrictInt, Field(ge=0)]], Field(min_length=1)] = [1]  # noqa: RUF012 - copied by pydantic
 
+    sweep: SweepConfig | None = None
+
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 
-    def error(self, key: str, message: str) -> ConfigError:
-        """An error at a dotted key, with file, line and column where the configuration came from a file."""
+    def error(self, key: str | tuple, message: str) -> ConfigError:
+        """An error at a key (dotted, or as a tuple), with file, line and column where the configuration has a file."""
+        parts = tuple(key.split(".")) if isinstance(key, str) else key
+        said = f"{'.'.join(map(str, parts))}: {message}"
         if self._source is None:
-            return ConfigError(f"{key}: {message}")
+            return ConfigError(said)
         path, data = self._source
-        return ConfigError(f"{path}:{_place(data, key.split('.'))}: {key}: {message}")
+        return ConfigError(_printable(f"{path}:{_place(data, parts)}: {said}"))
+
+    @property
+    def folder(self) -> Path:
+        """Where files that the configuration names are looked for: its own folder."""
+        return self._source[0].parent if self._source else Path()
 
     def line(self, key: str) -> int | None:
         """Line of a dotted key in the file that the configuration came from; None where it does not say it."""
@@ -193,6 +203,9 @@ def load(path) -> Config:
         lines = [f"{path}:{_place(data, e['loc'])}: {_explained(e)}" for e in _telling(error.errors(), data)]
         raise ConfigError("\n".join(map(_printable, lines))) from None
     config._source = (path, data)
+    from .axes import read_axes
+
+    read_axes(config)  # what is wrong with a sweep is said now
     return config
 
 

@@ -6,8 +6,18 @@ import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    StrictInt,
+    TypeAdapter,
+    field_validator,
+    model_validator,
+)
 
+from .config_sweep import Range
 from .units import Acceleration, Density, Frequency, Length, Number, Pressure
 
 WALLS = "walls"
@@ -21,9 +31,15 @@ class Model(BaseModel):
 
 
 def _swept(kind, *constraints):
-    """One value, or a list of different ones that becomes an axis."""
+    """One value, or a list or range of different ones that becomes an axis."""
     one = Annotated[kind, *constraints]
-    return one | Annotated[list[one], Field(min_length=1)]
+    some = one | Annotated[list[one], Field(min_length=1)]
+    read = TypeAdapter(kind).validate_python
+
+    def spread(value):
+        return Range.model_validate(value).spread(read) if isinstance(value, dict) else value
+
+    return Annotated[some, BeforeValidator(spread, json_schema_input_type=some | Range)]
 
 
 _positive, _not_negative = Field(gt=0), Field(ge=0)
