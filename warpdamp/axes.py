@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from .config import Config
 from .config_sweep import Between, Range, SampleConfig, Span, spread
 from .results import VARIABLES
+from .units import to_si
 
 Path = tuple[str | int, ...]
 
@@ -75,7 +76,7 @@ def attributes(path: Path) -> dict:
     """CF attributes of a scalar's coordinate."""
     unit = unit_of(path)
     return {
-        "units": _CF_UNITS.get(unit, unit),
+        "units": _CF_UNITS.get(unit, unit) or "1",
         "long_name": _LONG_NAMES.get(path[-1], str(path[-1]).replace("_", " ")),
         "configuration_key": dotted(path),
     }
@@ -109,12 +110,12 @@ def _schema() -> dict:
     return Config.model_json_schema()
 
 
-def unit_of(path: Path) -> str:
-    """SI unit of a scalar of the configuration, as the models state it; empty for none."""
+def unit_of(path: Path) -> str | None:
+    """SI unit of a scalar of the configuration, as the models state it; None where it is no quantity."""
     nodes = [_schema()]
     for part in path:
         nodes = [child for node in nodes for child in _below(node, part)]
-    return next((node["unit"] for node in _flat(nodes) if "unit" in node), "")
+    return next((node["unit"] for node in _flat(nodes) if "unit" in node), None)
 
 
 def _flat(nodes):
@@ -313,7 +314,10 @@ class Reader:
         try:
             read = tree(Config.model_validate(values))
         except ValidationError as error:
-            raise self.config.error(place, _said(error, row)) from None
+            own = [e for e in error.errors() if any(_at(e["loc"], path) for path in row)]
+            if own:
+                raise self.config.error(place, _said(own[0], row)) from None
+            return {path: _in_si(path, value) for path, value in row.items()}  # another combination may be possible
         return {path: get(read, path) for path in row}
 
     def _values(self, path: Path, values, place) -> list:
@@ -390,10 +394,20 @@ def tree_copy(node):
     return [tree_copy(value) for value in node] if isinstance(node, list) else node
 
 
-def _said(error: ValidationError, row: dict) -> str:
+def _at(loc: tuple, path: Path) -> bool:
+    """Whether an error is about a scalar itself (unions add names of their own to its place)."""
+    parts = iter(loc)
+    return all(any(part == wanted for part in parts) for wanted in path)
+
+
+def _in_si(path: Path, value):
+    unit = unit_of(path)
+    return value if unit is None else to_si(value, unit)
+
+
+def _said(error, row: dict) -> str:
     """What the models say, in one line."""
-    first = error.errors()[0]
-    message = first["msg"].removeprefix("Value error, ")
+    message = error["msg"].removeprefix("Value error, ")
     given = " and ".join(f"{dotted(path)} = {value!r}" for path, value in row.items())
     return f"{message[:1].lower()}{message[1:]} (with {given})"
 

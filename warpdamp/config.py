@@ -203,9 +203,9 @@ def load(path) -> Config:
         lines = [f"{path}:{_place(data, e['loc'])}: {_explained(e)}" for e in _telling(error.errors(), data)]
         raise ConfigError("\n".join(map(_printable, lines))) from None
     config._source = (path, data)
-    from .axes import read_axes
+    from .cases import Cases
 
-    read_axes(config)  # what is wrong with a sweep is said now
+    Cases(config)  # what is wrong with a sweep is said now
     return config
 
 

@@ -46,7 +46,10 @@ class Range(_Model):
             If the ends are no numbers, equal, or, for a logarithmic range, not positive.
         """
         first, last = map(read, self.ends)
-        return spread(first, last, np.linspace(0, 1, self.n), logarithmic=self.log is not None)
+        if self.log is not None:
+            return spread(first, last, np.linspace(0, 1, self.n), logarithmic=True)
+        _check_ends(first, last)
+        return _alike(np.linspace(first, last, self.n), first, last)
 
 
 def spread(first, last, part, *, logarithmic: bool) -> list:
@@ -57,18 +60,26 @@ def spread(first, last, part, *, logarithmic: bool) -> list:
     ValueError
         If the ends are no numbers, equal, or, for a logarithmic range, not positive.
     """
-    if any(isinstance(end, bool) or not isinstance(end, int | float) for end in (first, last)):
-        raise ValueError("a range needs two numbers or quantities as its ends")
-    if first == last:
-        raise ValueError("the ends of a range must differ")
+    _check_ends(first, last)
     if logarithmic and min(first, last) <= 0:
         raise ValueError("the ends of a logarithmic range must be positive")
     part = np.asarray(part)
     values = first * (last / first) ** part if logarithmic else first + (last - first) * part
-    values = np.where(part == 0, first, np.where(part == 1, last, values))
+    return _alike(np.where(part == 0, first, np.where(part == 1, last, values)), first, last)
+
+
+def _check_ends(first, last) -> None:
+    if any(isinstance(end, bool) or not isinstance(end, int | float) for end in (first, last)):
+        raise ValueError("a range needs two numbers or quantities as its ends")
+    if first == last:
+        raise ValueError("the ends of a range must differ")
+
+
+def _alike(values, first, last) -> list:
+    """Whole numbers where both ends are."""
     if isinstance(first, int) and isinstance(last, int):
-        return [round(v) for v in values]
-    return [float(v) for v in values]
+        return [round(v) for v in values.tolist()]
+    return values.tolist()
 
 
 Values = Annotated[list[Scalar], Field(min_length=1)] | Range
