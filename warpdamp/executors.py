@@ -16,6 +16,9 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
 
+ANSWERS_WITHIN = 15.0
+"""Seconds that a Dask scheduler has to answer."""
+
 
 class Crew:
     """An executor of one's own, with ``width`` calls at a time; what dies or hangs in it cannot be replaced."""
@@ -148,7 +151,7 @@ def _dask(kind: str, workers: int | None):
             yield client
         return
     try:
-        client = Client(kind, timeout="15s")
+        client = Client(kind, timeout=ANSWERS_WITHIN)
     except OSError as error:
         raise OSError(f"no Dask scheduler answers at {kind}: {error}") from None
     with client:
