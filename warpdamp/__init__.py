@@ -42,6 +42,7 @@ _HOMES = {
     "State": "scene",
     "Surface": "scene",
     "curves": "plot",
+    "draw": "plot",
     "peaks": "optimum",
 }
 
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
     from .packing import Request as Request
     from .packing import prepare as prepare
     from .plot import curves as curves
+    from .plot import draw as draw
     from .scene import Cylinder as Cylinder
     from .scene import Drive as Drive
     from .scene import Grains as Grains

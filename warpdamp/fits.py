@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 DRAWS = 400
-FINE = 241
+FINE = 161
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,8 @@ def maxima(gamma, height, standard_error) -> list[Maximum]:
     x, fine = np.sqrt(gamma[known]), np.linspace(*np.sqrt([gamma[known].min(), gamma[known].max()]), FINE)
     mean, covariance = _posterior(x, height[known], error[known], fine)
     rng = np.random.default_rng(0)  # the same answer each time
-    draws = rng.multivariate_normal(mean, covariance, DRAWS, method="eigh", check_valid="ignore")
+    jitter = 1e-9 * np.trace(covariance) * np.eye(FINE)  # the curve has fewer degrees of freedom than points
+    draws = mean + rng.standard_normal((DRAWS, FINE)) @ np.linalg.cholesky(covariance + jitter).T
     spread = np.sqrt(np.maximum(np.diag(covariance), 0))
     return _maxima(fine**2, mean, spread, draws)
 
@@ -87,9 +88,12 @@ def _maxima(gamma, mean, spread, draws) -> list[Maximum]:
 
     tops, traits = find_peaks(mean, prominence=0)
     kept = [k for k, prominence in zip(tops, traits["prominences"], strict=True) if prominence > spread[k]]
+    if not kept:
+        return []
     basins = [0, *(a + int(np.argmin(mean[a:b])) for a, b in itertools.pairwise(kept)), len(mean) - 1]
     found = []
-    for k, first, last in zip(kept, basins, basins[1:], strict=False):
+    for k, (first, last) in zip(kept, itertools.pairwise(basins), strict=True):
+        first, last = _around(k, first, last, mean, spread)
         at = first + np.argmax(draws[:, first : last + 1], axis=1)
         inside = (at > first) & (at < last)
         where = gamma[at[inside]]
@@ -100,6 +104,13 @@ def _maxima(gamma, mean, spread, draws) -> list[Maximum]:
         error = math.hypot(float(np.std(where)), step / math.sqrt(12))
         found.append(Maximum(float(gamma[k]), error, float(mean[k]), float(np.std(heights)), float(inside.mean())))
     return found
+
+
+def _around(k: int, first: int, last: int, mean, spread) -> tuple[int, int]:
+    """The part of a basin round its top that may, within three standard errors, be as high."""
+    low = mean[k] - mean > 3 * np.hypot(spread, spread[k])
+    below, above = np.flatnonzero(low[first:k]), np.flatnonzero(low[k : last + 1])
+    return (first + int(below[-1]) if len(below) else first), (k + int(above[0]) if len(above) else last)
 
 
 @dataclass(frozen=True)

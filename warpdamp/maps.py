@@ -81,7 +81,8 @@ def phase_map(dataset: xr.Dataset) -> Figure:
         ax.set_title(named(value, panel), fontsize=9)
         ax.set_xlabel("excitation frequency [Hz]")
     axes[0].set_ylabel("Γ [-]")
-    axes[0].legend(fontsize=7, loc="lower right", facecolor="0.4", labelcolor="white")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=7, loc="outside lower center", ncols=2, facecolor="0.4", labelcolor="white")
     figure.colorbar(image, ax=list(axes), label="effectiveness [-]")
     figure.suptitle(dataset.attrs.get("title", ""), fontsize=11)
     return figure

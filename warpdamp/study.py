@@ -148,7 +148,7 @@ def collect(store: str | Path) -> xr.Dataset:
         If there is no study in the folder.
     """
     kept = Store.existing(store)
-    return assemble(kept_plan(kept.folder), kept.read())
+    return _with_accessor(assemble(kept_plan(kept.folder), kept.read()))
 
 
 def _collected(made: Plan, kept: Store) -> xr.Dataset:
@@ -161,7 +161,12 @@ def _collected(made: Plan, kept: Store) -> xr.Dataset:
     """
     finished = kept.read()
     _raise_if_all_failed(made, finished)
-    return assemble(made, finished)
+    return _with_accessor(assemble(made, finished))
+
+
+def _with_accessor(dataset: xr.Dataset) -> xr.Dataset:
+    """The Dataset, once ``dataset.damper`` is there."""
+    return dataset
 
 
 def _raise_if_all_failed(made: Plan, finished: Finished) -> None:
