@@ -21,7 +21,7 @@ from warpdamp import Batch, Case, Cylinder, Drive, Material, Scene, State, Surfa
 from warpdamp.ledger import harmonic_work, maximum_energy
 from warpdamp.modal.fem import beam_modes
 from warpdamp.packing import Request, prepare, settle
-from warpdamp.study import beam
+from warpdamp.sources import beam
 from warpdamp.sweep import grains
 from warpdamp.timestep import steps_per_cycle
 

@@ -27,7 +27,8 @@ def fitted(dataset, optima):
     """Lines of the document: both optima against frequency, with uncertainties."""
     frequency = optima["frequency"].values
     clearance = dataset["clearance"].mean().item()
-    lines = [f"Clearance measured (compacted bed): {1e3 * clearance:.3f} mm.", ""]
+    bed = dataset["preparation"].item()
+    lines = [f"Clearance measured ({bed} bed): {1e3 * clearance:.3f} mm.", ""]
     expected = 4 * np.pi * clearance / STANDARD_GRAVITY
     for name, x, what in (("collision", frequency**2, "f^2"), ("fluidisation", frequency, "f")):
         y, error = optima[f"gamma_{name}"].values, optima[f"gamma_{name}_standard_error"].values
@@ -89,7 +90,7 @@ def main():
         "",
         f"Written by `python scripts/frequency_map.py` from `{options.config.name}`: {status.size} cases, "
         f"{int(np.sum(status < 20))} of them finished, {int(np.sum(status == 0))} of those steady with the standard "
-        f"error asked for; residual of the energy ledger at most {100 * float(dataset['ledger_residual'].max()):.2g} %; "
+        f"error asked for; residual of the energy ledger at most {100 * float(small['ledger_residual'].max()):.2g} %; "
         f"{float(dataset['cpu_time'].sum()) / 3600:.2g} hours of processor time. Data: `frequency_map.nc`.",
         "",
         "![Effectiveness over frequency and Gamma](frequency_map.png)",

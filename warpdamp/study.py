@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -166,6 +167,7 @@ def _collected(made: Plan, kept: Store) -> xr.Dataset:
 
 def _with_accessor(dataset: xr.Dataset) -> xr.Dataset:
     """The Dataset, once ``dataset.damper`` is there."""
+    importlib.import_module(".accessor", __package__)
     return dataset
 
 
