@@ -163,6 +163,34 @@ def test_a_case_is_known_by_what_it_depends_on(study):
     assert carried([3, 6, 9]).items() >= few.items()
 
 
+def test_a_kept_plan_is_the_plan(study, tmp_path, monkeypatch):
+    """Read back by the folder's own study without making it again; made again when it is damaged."""
+    from warpdamp import plan as planning
+
+    text = BASE.replace("preparation: loose", "preparation: carried").replace(
+        "[40 Hz, 80 Hz]", "{log: [40 Hz, 81 Hz], n: 3}"
+    )
+    sweep = "  product: {friction: {from: 10 %, to: 0.7, n: 3}, height: [20 mm, 7.47 mm]}\n  exclude: [{gamma: 3, friction: 0.1}]\n"
+    made = plan(Cases(load(study(sweep, text))))
+    planning.keep_plan(made, tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr(planning, "plan", None)
+        kept = planning.kept_plan(tmp_path)
+    for again in (kept, planning.ready_plan(made.cases, tmp_path)):
+        for name in planning._ARRAYS:
+            np.testing.assert_array_equal(getattr(again, name), getattr(made, name))
+        assert (again.groups, again.beds, again.refused, again.said) == (
+            made.groups,
+            made.beds,
+            made.refused,
+            made.said,
+        )
+    content = bytearray((tmp_path / "plan.npz").read_bytes())
+    content[len(content) // 2] ^= 255
+    (tmp_path / "plan.npz").write_bytes(content)
+    assert (planning.kept_plan(tmp_path).keys == made.keys).all()
+
+
 def test_the_physics_is_part_of_the_key(study, monkeypatch):
     from warpdamp import packing
     from warpdamp import plan as planning

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import io
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -207,6 +208,16 @@ def load(path) -> Config:
 
     Cases(config)  # what is wrong with a sweep is said now
     return config
+
+
+def resolved_yaml(config: Config) -> str:
+    """The configuration with every default filled in, in SI, as YAML."""
+    from ruamel.yaml import YAML
+
+    text = io.StringIO()
+    yaml = YAML()
+    yaml.dump(config.model_dump(mode="json", by_alias=True), text)
+    return text.getvalue()
 
 
 def _printable(line: str) -> str:

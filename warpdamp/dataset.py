@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, attributes
-from .config import Config
+from .config import resolved_yaml
 from .modal.damping import damping_ratio, normalised_damping
 from .plan import EXCLUDED, REFUSED, RUN
 from .results import INTEGERS, describe, provenance
@@ -166,13 +165,3 @@ def _combined_error(mean: xr.DataArray, error: xr.DataArray) -> xr.DataArray:
     if n == 1:
         return within
     return np.maximum(within, mean.std("seed", ddof=1, skipna=False) / math.sqrt(n))
-
-
-def resolved_yaml(config: Config) -> str:
-    """The configuration with every default filled in, in SI, as YAML."""
-    from ruamel.yaml import YAML
-
-    text = io.StringIO()
-    yaml = YAML()
-    yaml.dump(config.model_dump(mode="json", by_alias=True), text)
-    return text.getvalue()

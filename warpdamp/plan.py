@@ -6,18 +6,21 @@ physics, and, where beds are carried on, the amplitudes before it.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import io
 import json
 import zipfile
+import zlib
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import PHYSICS_VERSION, __version__
+from . import PHYSICS_VERSION
 from .cases import Cases
+from .config import resolved_yaml
 from .files import StoreError, keep
 from .sweep import particle_mass
 
@@ -174,46 +177,67 @@ def _effects_said(cases: Cases, groups: dict) -> dict[str, str]:
     }
 
 
-_ARRAYS = ("keys", "fate", "frequency", "particle_mass", "dt", "particles", "cost", "chain")
+_ARRAYS = ("keys", "fate", "frequency", "particle_mass", "dt", "particles", "cost", "chain", "group", "bed")
 
 
 def keep_plan(made: Plan, folder: Path) -> None:
-    """Keep a plan beside its cases, so that what is done can be told, and collected, without making it again."""
-    from .dataset import resolved_yaml
-
-    refused = [[list(index), why] for index, why in made.refused.items()]
-    about = {"versions": _versions(), "refused": refused, "said": made.said}
+    """Keep a plan beside its cases: a run that goes on, its parts, and looks at it need not make it again."""
+    study = resolved_yaml(made.cases.config).encode()
+    about = {
+        "made": _fingerprint(study),
+        "refused": [[list(index), why] for index, why in made.refused.items()],
+        "said": made.said,
+        "beds": made.beds,
+        "groups": [int(made.to_run()[np.argmax(made.group[made.to_run()] == k)]) for k in range(len(made.groups))],
+    }
     content = io.BytesIO()
     np.savez_compressed(content, about=np.array(json.dumps(about)), **{name: getattr(made, name) for name in _ARRAYS})
     keep(folder / "plan.npz", content.getvalue())
-    keep(folder / "study.yaml", resolved_yaml(made.cases.config).encode())
+    keep(folder / "study.yaml", study)
+
+
+def ready_plan(cases: Cases, folder: Path) -> Plan:
+    """The plan kept in a folder, if the same study and the same code made it; otherwise a new one.
+
+    Raises
+    ------
+    ConfigError
+        See ``plan``.
+    """
+    try:
+        with np.load(folder / "plan.npz") as file:
+            arrays = {name: file[name] for name in _ARRAYS}
+            about = json.loads(str(file["about"]))
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):  # not there, or damaged
+        return plan(cases)
+    if about["made"] != _fingerprint(resolved_yaml(cases.config).encode()):
+        return plan(cases)
+    groups = [(spec.effects, criteria) for spec, criteria in map(cases.spec, about["groups"])]
+    refused = {tuple(index): why for index, why in about["refused"]}
+    return Plan(cases, **arrays, groups=groups, beds=about["beds"], refused=refused, said=about["said"])
 
 
 def kept_plan(folder: Path) -> Plan:
-    """The plan kept in a folder, made again if another version of warpdamp made it.
+    """The plan of the study that a folder holds.
 
     Raises
     ------
     StoreError
-        If there is none.
+        If it holds none.
     """
     from .config import load
 
     if not (folder / "study.yaml").is_file():
         raise StoreError(f"{folder}: holds no study (no study.yaml): give the folder that warpdamp run made")
-    cases = Cases(load(folder / "study.yaml"))
-    try:
-        with np.load(folder / "plan.npz") as file:
-            arrays = {name: file[name] for name in _ARRAYS}
-            about = json.loads(str(file["about"]))
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
-        return plan(cases)
-    if about["versions"] != _versions() or len(arrays["keys"]) != len(cases):
-        return plan(cases)
-    none = np.zeros(len(cases), np.int32)
-    refused = {tuple(index): why for index, why in about["refused"]}
-    return Plan(cases, **arrays, group=none, bed=none, refused=refused, said=about["said"])
+    return ready_plan(Cases(load(folder / "study.yaml")), folder)
 
 
-def _versions() -> list:
-    return [__version__, PHYSICS_VERSION]
+def _fingerprint(study: bytes) -> str:
+    """Of a study and of the code: a plan by other code may be another plan."""
+    return hashlib.sha256(study + _code()).hexdigest()
+
+
+@functools.cache
+def _code() -> bytes:
+    folder = Path(__file__).parent
+    return b"".join(hashlib.sha256(path.read_bytes()).digest() for path in sorted(folder.rglob("*.py")))

@@ -16,7 +16,7 @@ from .axes import settled
 from .cases import Cases
 from .config import Config, load
 from .dataset import assemble
-from .plan import Plan, keep_plan, kept_plan, plan
+from .plan import Plan, keep_plan, kept_plan, ready_plan
 from .scene import STANDARD_GRAVITY
 from .steady import Status
 from .store import Finished, Store
@@ -128,7 +128,7 @@ def carry_out(
     kept = Store(store)
     with kept.claim(part):
         report("modes", 0.0)
-        made = plan(Cases(config))
+        made = ready_plan(Cases(config), kept.folder)
         report("modes", 1.0)
         _refuse_what_does_not_fit(made)
         keep_plan(made, kept.folder)
