@@ -1,28 +1,23 @@
-"""An analysis: open a Dataset, draw its curves, and find the best point of each.
+"""An analysis: open a Dataset, draw it, and find how the optimum depends on a swept scalar.
 
-python scripts/best_friction.py [FILE.nc]
+python scripts/best_friction.py [FILE.nc] [SCALAR]
 """
 
 import sys
 from pathlib import Path
 
-import xarray as xr
-
 import warpdamp
 
 path = Path(sys.argv[1] if len(sys.argv) > 1 else "results/friction.nc")
-dataset = xr.open_dataset(path)
-zeta, error = dataset["damping_ratio"], dataset["damping_ratio_standard_error"]
+scalar = sys.argv[2] if len(sys.argv) > 2 else "friction"
+dataset = warpdamp.open_results(path)
+warpdamp.draw(dataset).savefig(path.with_suffix(".png"))
 
-warpdamp.curves(dataset).savefig(path.with_suffix(".png"))
+optima = dataset.damper.optimum("damping_ratio" if "damping_ratio" in dataset else "effectiveness")
+columns = [name for name in optima if name.startswith("gamma_")]
+for value in dataset[scalar].values:
+    print(f"{scalar} {value:g}")
+    print(optima[columns].sel({scalar: value}).to_dataframe()[columns].to_string())
 
-for mode in zeta["mode"].values:
-    for friction in zeta["friction"].values:
-        at = {"mode": mode, "friction": friction}
-        for peak in warpdamp.peaks(dataset["gamma"], zeta.sel(at), error.sel(at)):
-            print(
-                f"mode {mode}, friction {friction:g}: {peak.height:.4f} ± {peak.standard_error:.4f} at Γ {peak.gamma:g}"
-            )
-
-best = zeta.where(zeta == zeta.max(), drop=True)
-print("best of all:", {name: best[name].values.item() for name in best.dims})
+best = dataset["effectiveness"].where(dataset["effectiveness"] == dataset["effectiveness"].max(), drop=True)
+print("best of all:", {name: best[name].values.item() for name in best.dims}, f"{float(best.max()):.3f}")

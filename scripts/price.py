@@ -18,10 +18,10 @@ import numpy as np
 import xarray as xr
 
 from warpdamp import load, run
+from warpdamp.cases import Cases
 from warpdamp.config import Config
 from warpdamp.results import NOT_RUN, write
 from warpdamp.shaking import Criteria, shake
-from warpdamp.study import every_spec
 
 ROOT = Path(__file__).parents[1]
 TOLERANCE, PAPER_STEP = 0.05, 2e-6
@@ -40,7 +40,7 @@ def job(**changes) -> Config:
 def fixed(length: int, seeds: list[int]) -> list[dict]:
     """The same cases at the paper's step, each for ``length`` cycles."""
     config = job(numerics={"step": PAPER_STEP}, seeds=seeds)
-    specs = sorted(every_spec(config).values(), key=lambda spec: -spec.steps_per_cycle)
+    specs = sorted(Cases(config).specs(), key=lambda spec: -spec.steps_per_cycle)
     criteria = Criteria(fewest=length, most=length, fixed=True)
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as executor:
         done = executor.map(shake, [[[spec]] for spec in specs], [criteria] * len(specs))

@@ -26,7 +26,7 @@ def quick(tmp_path_factory):
 def test_the_papers_study_runs_shortened(quick):
     output, done = quick
     assert done.returncode == 0, done.stderr
-    assert sorted(p.name for p in output.iterdir()) == ["beam-quick.nc", "beam-quick.png"]
+    assert sorted(p.name for p in output.iterdir()) == ["beam-quick", "beam-quick.nc", "beam-quick.png"]
     with xr.open_dataset(output / "beam-quick.nc") as dataset:
         assert dict(dataset.sizes) == {"frequency": 3, "gamma": 5, "seed": 1, "mode": 3}
         assert dataset["natural_frequency"].values == pytest.approx([39.50, 280.1, 730.6], rel=1e-3)

@@ -6,8 +6,9 @@ import re
 import pytest
 
 from warpdamp import ConfigError, load
+from warpdamp.axes import read_axes
+from warpdamp.cases import Cases
 from warpdamp.config import Config
-from warpdamp.sweep import axes, points
 from warpdamp.units import to_si
 
 
@@ -117,11 +118,11 @@ def test_any_scalar_may_be_an_axis(tmp_path, config_path):
     path = tmp_path / "study.yaml"
     path.write_text(text)
     config = load(path)
-    assert [(axis.name, axis.values) for axis in axes(config)] == [
+    assert [(axis.name, axis.values) for axis in read_axes(config)[1]] == [
         ("youngs_modulus", (33e6, 3.3e9)),
         ("friction", (0.1, 0.3)),
     ]
-    every = dict(points(config))
+    every = {point.index: point.config for point in Cases(config).points()}
     assert set(every) == {(0, 0), (0, 1), (1, 0), (1, 1)}
     assert every[1, 0].contact.friction == 0.1
     assert every[1, 0].materials["pmma"].youngs_modulus == 3.3e9
@@ -133,7 +134,7 @@ def test_equal_names_are_told_apart(tmp_path, config_path):
     )
     path = tmp_path / "study.yaml"
     path.write_text(text)
-    assert [axis.name for axis in axes(load(path))] == ["friction", "walls_friction"]
+    assert [axis.name for axis in read_axes(load(path))[1]] == ["friction", "walls_friction"]
 
 
 def test_the_schema_serves_editors():

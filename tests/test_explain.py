@@ -7,8 +7,8 @@ import pytest
 
 import warpdamp
 from warpdamp import ConfigError, load
+from warpdamp.cases import Cases
 from warpdamp.explain import effects_of, explain
-from warpdamp.study import every_spec
 from warpdamp.sweep import grains, scene
 
 MIXED = """
@@ -43,7 +43,7 @@ def write(tmp_path):
 
 
 def shown(config):
-    spec = next(iter(every_spec(config).values()))
+    spec, _ = Cases(config).spec(0)
     return {row.name: row for row in effects_of(config, spec)}
 
 
@@ -59,7 +59,7 @@ def test_a_mixture_is_read(write):
     assert s.wall_surface(0).friction == 0.3
     assert s.wall_surface(1).rolling_friction == 0.01
     assert not s.enclosure.lid
-    spec = next(iter(every_spec(config).values()))
+    spec, _ = Cases(config).spec(0)
     assert spec.scene.drive.direction == (1.0, 0.0, 0.0)
 
 

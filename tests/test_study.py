@@ -10,6 +10,7 @@ import xarray as xr
 
 import warpdamp
 from warpdamp import ConfigError, load, peaks
+from warpdamp.cases import Cases
 from warpdamp.results import VARIABLES, write
 
 SMALL = """
@@ -150,7 +151,6 @@ def test_failed_cases_are_values(small_config, monkeypatch):
     """A case that blows up is NaN with a status; the others are as they were."""
     from warpdamp import shaking
     from warpdamp.steady import Status
-    from warpdamp.study import _specs, study_points
 
     class Sabotaged(shaking.Batch):
         def __init__(self, *arguments, **options):
@@ -158,7 +158,8 @@ def test_failed_cases_are_values(small_config, monkeypatch):
             self._particles.numpy()["half_velocity"][-1] = np.nan
 
     config = load(small_config)
-    specs = [s for s in _specs(config, study_points(config)[0]).values() if s.index[1] == 2][:2]
+    cases = Cases(config)
+    specs = [cases.spec(cases.shape[2] * cases.shape[3] * 2 + k)[0] for k in range(2)]
     monkeypatch.setattr(shaking, "Batch", Sabotaged)
     (_, good), (_, bad) = shaking.shake([[specs[0]], [specs[1]]], shaking.Criteria(0.05, 12, 40))
     assert bad["status"] == Status.NOT_FINITE
@@ -166,13 +167,16 @@ def test_failed_cases_are_values(small_config, monkeypatch):
     assert good["energy_dissipated"] > 0
 
 
-def test_a_study_of_which_nothing_is_left_is_an_error():
-    from warpdamp import SimulationError
-    from warpdamp.study import _raise_if_all_failed
+def test_a_study_of_which_nothing_is_left_is_an_error(small_config, monkeypatch):
+    from warpdamp import SimulationError, shaking
+    from warpdamp.steady import Status
 
-    _raise_if_all_failed({(0,): {"status": 5}, (1,): {"status": 0, "energy_dissipated": 1.0}})
-    with pytest.raises(SimulationError, match="all 2 cases failed: a particle left the cavity"):
-        _raise_if_all_failed({(0,): {"status": 5}, (1,): {"status": 6}})
+    def escaped(chains, criteria):
+        return [(spec.index, {"status": int(Status.ESCAPED)}) for chain in chains for spec in chain]
+
+    monkeypatch.setattr(shaking, "shake", escaped)
+    with pytest.raises(SimulationError, match="all 24 cases failed: a particle left the cavity"):
+        warpdamp.run(small_config, executor="in-process")
 
 
 def test_peaks_stand_out_of_the_noise():

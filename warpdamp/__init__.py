@@ -18,6 +18,10 @@ PHYSICS_VERSION = 2
 
 _HOMES = {
     "run": "study",
+    "carry_out": "study",
+    "collect": "study",
+    "open_results": "accessor",
+    "StoreError": "files",
     "load": "config",
     "Config": "config",
     "ConfigError": "config",
@@ -38,6 +42,7 @@ _HOMES = {
     "State": "scene",
     "Surface": "scene",
     "curves": "plot",
+    "draw": "plot",
     "peaks": "optimum",
     "corrected": "modal.apparent",
     "accelerance": "modal.frf",
@@ -46,6 +51,7 @@ _HOMES = {
 }
 
 if TYPE_CHECKING:
+    from .accessor import open_results as open_results
     from .config import Config as Config
     from .config import ConfigError as ConfigError
     from .config import load as load
@@ -53,6 +59,7 @@ if TYPE_CHECKING:
     from .engine import Batch as Batch
     from .engine import Case as Case
     from .engine import Simulation as Simulation
+    from .files import StoreError as StoreError
     from .guards import SimulationError as SimulationError
     from .ledger import Ledger as Ledger
     from .modal.apparent import corrected as corrected
@@ -64,6 +71,7 @@ if TYPE_CHECKING:
     from .packing import Request as Request
     from .packing import prepare as prepare
     from .plot import curves as curves
+    from .plot import draw as draw
     from .scene import Cylinder as Cylinder
     from .scene import Drive as Drive
     from .scene import Grains as Grains
@@ -71,6 +79,8 @@ if TYPE_CHECKING:
     from .scene import Scene as Scene
     from .scene import State as State
     from .scene import Surface as Surface
+    from .study import carry_out as carry_out
+    from .study import collect as collect
     from .study import run as run
 
 __all__ = [*_HOMES, "PHYSICS_VERSION", "__version__"]

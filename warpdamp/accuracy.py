@@ -339,9 +339,9 @@ def cheapest(step_errors: dict[float, tuple[float, float]], point: Chance, toler
 
 def points_of(config: Config, most: int = 6) -> list[Spec]:
     """A few cases that span a study: of every frequency the Gammas at a third and two thirds of its list, all seeds."""
-    from .study import every_spec
+    from .cases import Cases
 
-    specs = list(every_spec(config).values())
+    specs = list(Cases(config).specs())
     frequencies = sorted({spec.scene.drive.frequency for spec in specs})[: max(1, most // 2)]
     gammas = sorted({spec.scene.drive.acceleration for spec in specs})
     chosen = {gammas[len(gammas) // 3], gammas[2 * len(gammas) // 3]}

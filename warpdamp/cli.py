@@ -29,32 +29,120 @@ def run(
     quick: Annotated[
         bool, typer.Option("--quick", help="A first look in a minute: few amplitudes, one seed, loose bed, 12 cycles.")
     ] = False,
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes (default: all cores).")] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Workers (default: all cores).")] = None,
+    executor: Annotated[
+        str, typer.Option(help="processes, in-process, dask, or the address of a Dask scheduler.")
+    ] = "processes",
+    part: Annotated[
+        str | None, typer.Option(metavar="K/N", help="Run the K-th of N parts only, as an array job does.")
+    ] = None,
+    limit: Annotated[
+        float | None, typer.Option(min=1, help="Seconds after which a batch is taken for hanging.")
+    ] = None,
 ) -> None:
-    """Run a study: one netCDF file, a picture, and a table of the peaks."""
+    """Run a study, or what is left of it: one netCDF file, a picture, and a table of the peaks.
+
+    Every batch of cases is kept in OUTPUT/CONFIG as soon as it is done; the same command goes on from there.
+    """
     from rich.console import Console
 
     with _one_line_errors():
         from . import study
         from .config import load
-        from .plot import curves, save
+        from .plot import draw, save
         from .report import summary, verdicts
         from .results import write
 
-        checked = load(config)
-        path = output / f"{config.stem}{'-quick' if quick else ''}.nc"
+        checked, own = load(config), _part(part)
+        store = output / f"{config.stem}{'-quick' if quick else ''}"
+        path = store.with_name(f"{store.name}.nc")
         _writable(output)
         started = time.perf_counter()
-        with _progress() as report:
-            dataset = study.run(checked, quick=quick, workers=workers, report=report)
+        options = {"quick": quick, "workers": workers, "executor": executor, "limit": limit}
+        with _stoppable(store), _progress() as report:
+            if own:
+                study.carry_out(checked, store, part=own, report=report, **options)
+                print(f"part {part} is done; warpdamp collect {store} puts all parts together")
+                return
+            dataset = study.run(checked, store=store, report=report, **options)
         write(dataset, path)
-        save(curves(dataset), path.with_suffix(".png"))
+        save(draw(dataset), path.with_suffix(".png"))
     console = Console()
     console.print(summary(dataset))
     for line in verdicts(dataset):
         console.print(line, highlight=False)
     spent = time.perf_counter() - started
-    console.print(f"{path} and {path.with_suffix('.png').name}, in {spent:.0f} s", highlight=False)
+    console.print(f"{path} and {path.stem}.png, in {spent:.0f} s", highlight=False)
+
+
+def _part(text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    k, _, n = text.partition("/")
+    if not (k.isdigit() and n.isdigit() and 1 <= int(k) <= int(n)):
+        raise typer.BadParameter(f"'{text}' is no part: write as 17/200", param_hint="--part")
+    return int(k), int(n)
+
+
+@contextmanager
+def _stoppable(store: Path):
+    """Ctrl-C, or a scheduler's polite end, stops a run and says how to go on."""
+    import signal
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    except KeyboardInterrupt:
+        print(
+            f"\nwarpdamp: stopped; every finished batch is kept in {store}: the same command goes on from there, "
+            f"warpdamp status {store} says how far it is",
+            file=sys.stderr,
+        )
+        raise typer.Exit(130) from None
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+FolderArgument = Annotated[Path, typer.Argument(help="Folder of a run.", metavar="DIR")]
+
+
+@app.command()
+def status(folder: FolderArgument) -> None:
+    """Say how far a run is: done, at work, failed, and the time left."""
+    with _one_line_errors():
+        from .status import status as told
+
+        for line in told(folder):
+            print(line)
+
+
+@app.command()
+def collect(
+    folder: FolderArgument,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="netCDF file to write (default: beside DIR).")
+    ] = None,
+) -> None:
+    """Put all that is done so far into one netCDF file, at any moment."""
+    from rich.console import Console
+
+    with _one_line_errors():
+        from .report import verdicts
+        from .results import write
+        from .store import Store
+        from .study import collect as collected
+
+        store = Store.existing(folder).folder
+        target = output or store.with_name(f"{store.name}.nc")
+        _writable(target.parent)
+        dataset = collected(store)
+        write(dataset, target)
+    for line in verdicts(dataset):
+        Console().print(line, highlight=False)
+    print(target)
 
 
 @app.command()
@@ -85,10 +173,10 @@ def accuracy(
 ) -> None:
     """Study what accuracy costs: each numerical choice varied at a few points of a study."""
     with _one_line_errors():
-        from . import study
         from .accuracy import points_of
         from .accuracy import study as vary
         from .config import load
+        from .executors import crew
         from .plot import save
         from .plot_accuracy import budget, work_precision
         from .report import accuracy_table
@@ -96,8 +184,9 @@ def accuracy(
 
         checked = load(config)
         _writable(output)
-        with _progress() as report, study.processes(workers) as executor:
-            runs = vary(points_of(checked, points), lambda _: cycles, executor, report=lambda d: report("runs", d))
+        own = points_of(checked, points)
+        with _progress() as report, crew("processes", workers) as processes:
+            runs = vary(own, lambda _: cycles, processes.executor, report=lambda done: report("runs", done))
         path = output / f"{config.stem}-accuracy.nc"
         write(runs, path)
         save(work_precision(runs), path.with_suffix(".png"))
@@ -122,20 +211,20 @@ def modes(
     from rich.console import Console
 
     with _one_line_errors():
-        from . import study
+        from .cases import Cases
         from .config import load
         from .report import modes_table
-        from .sweep import particle_mass, points
+        from .sources import modes as own_modes
+        from .sweep import particle_mass
 
         checked = load(config)
         if checked.structure is None:
             raise checked.error("structure", "missing: there are no modes without a structure")
-        _, single = next(points(checked))
-        single._source = checked._source
-        masses = {particle_mass(point) for _, point in points(checked)}
+        every = [point.config for point in Cases(checked).points() if point.config]
+        masses = {particle_mass(single) for single in every}
         if not checked.structure.particles_included:
             masses.add(0.0)
-        found = {m: study.modes(single, particles=m) for m in sorted(masses)}
+        found = {m: own_modes(every[0], particles=m) for m in sorted(masses)}
         if output:
             from .modal.export import export
 
@@ -151,13 +240,13 @@ def plot(
     file: Annotated[Path, typer.Argument(help="Results of a run.", metavar="FILE.nc")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="PNG to write (default: beside FILE).")] = None,
 ) -> None:
-    """Draw the curves of a results file."""
+    """Draw a results file: curves, maps of frequency and Gamma, or scattered cases, as its dimensions ask."""
     with _one_line_errors():
-        from .plot import curves, save
+        from .plot import draw, save
         from .results import read
 
         target = _picture(output or file.with_suffix(".png"))
-        save(curves(read(file)), target)
+        save(draw(read(file)), target)
     print(target)
 
 

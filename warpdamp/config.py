@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
@@ -25,6 +26,7 @@ from .config_damper import (
     MaterialConfig,
     between,
 )
+from .config_sweep import SweepConfig
 from .fields import POSITIVE as _positive
 from .fields import Model
 from .structure import StructureConfig
@@ -96,14 +98,23 @@ class Config(Model):
     numerics: NumericsConfig = NumericsConfig()
     seeds: list[Annotated[StrictInt, Field(ge=0)]] = Field([1], min_length=1)
 
+    sweep: SweepConfig | None = None
+
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 
-    def error(self, key: str, message: str) -> ConfigError:
-        """An error at a dotted key, with file, line and column where the configuration came from a file."""
+    def error(self, key: str | tuple, message: str) -> ConfigError:
+        """An error at a key (dotted, or as a tuple), with file, line and column where the configuration has a file."""
+        parts = tuple(key.split(".")) if isinstance(key, str) else key
+        said = f"{'.'.join(map(str, parts))}: {message}"
         if self._source is None:
-            return ConfigError(f"{key}: {message}")
+            return ConfigError(said)
         path, data = self._source
-        return ConfigError(f"{path}:{_place(data, key.split('.'))}: {key}: {message}")
+        return ConfigError(_printable(f"{path}:{_place(data, parts)}: {said}"))
+
+    @property
+    def folder(self) -> Path:
+        """Where files that the configuration names are looked for: its own folder."""
+        return self._source[0].parent if self._source else Path()
 
     def line(self, key: str) -> int | None:
         """Line of a dotted key in the file that the configuration came from; None where it does not say it."""
@@ -162,7 +173,20 @@ def load(path) -> Config:
         lines = [f"{path}:{_place(data, e['loc'])}: {_explained(e)}" for e in _telling(error.errors(), data)]
         raise ConfigError("\n".join(map(_printable, lines))) from None
     config._source = (path, data)
+    from .cases import Cases
+
+    Cases(config)  # what is wrong with a sweep is said now
     return config
+
+
+def resolved_yaml(config: Config) -> str:
+    """The configuration with every default filled in, in SI, as YAML."""
+    from ruamel.yaml import YAML
+
+    text = io.StringIO()
+    yaml = YAML()
+    yaml.dump(config.model_dump(mode="json", by_alias=True), text)
+    return text.getvalue()
 
 
 def _printable(line: str) -> str:

@@ -6,8 +6,9 @@ import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, StrictInt, field_validator, model_validator
+from pydantic import BeforeValidator, Field, StrictInt, TypeAdapter, field_validator, model_validator
 
+from .config_sweep import Range
 from .fields import NOT_NEGATIVE as _not_negative
 from .fields import POSITIVE as _positive
 from .fields import Model
@@ -18,9 +19,15 @@ WALLS = "walls"
 
 
 def _swept(kind, *constraints):
-    """One value, or a list of different ones that becomes an axis."""
+    """One value, or a list or range of different ones that becomes an axis."""
     one = Annotated[kind, *constraints]
-    return one | Annotated[list[one], Field(min_length=1)]
+    some = one | Annotated[list[one], Field(min_length=1)]
+    read = TypeAdapter(kind).validate_python
+
+    def spread(value):
+        return Range.model_validate(value).spread(read) if isinstance(value, dict) else value
+
+    return Annotated[some, BeforeValidator(spread, json_schema_input_type=some | Range)]
 
 
 def between(key: str) -> tuple[str, str]:

@@ -1,25 +1,28 @@
-"""The cases of a study as one Dataset on (frequency, gamma, swept scalars, seed), and the modal damping they give."""
+"""The cases of a study as one Dataset, and the modal damping they give."""
 
 from __future__ import annotations
 
-import io
-import math
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .config import Config
+from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, attributes
+from .config import resolved_yaml
 from .modal.damping import damping_ratio, normalised_damping
+from .plan import EXCLUDED, REFUSED
 from .results import INTEGERS, NOT_RUN, describe, provenance
+from .rounds import called_for
 from .scene import STANDARD_GRAVITY
-from .sweep import Axis, Point, as_list, axes, particle_mass
+from .steady import Status
 from .tolerance import SMALLEST_EFFECTIVENESS, combined
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .shaking import Spec
+    from .cases import Cases
+    from .config import Config
+    from .plan import Plan
+    from .store import Finished
 
 MODAL = {
     "natural_frequency": "frequency",
@@ -30,76 +33,124 @@ MODAL = {
 """Variables of the results, and what of ``Modes`` they hold."""
 
 
-def assemble(config: Config, every: list[Point], specs: Iterable[Spec], values: dict) -> xr.Dataset:
-    """Assemble the cases, in whatever order they came, on (frequency, gamma, swept scalars, seed)."""
+def assemble(plan: Plan, finished: Finished) -> xr.Dataset:
+    """Put finished cases where they belong; those that are missing are NaN, and ``status`` says so.
+
+    Scalars that change together share the dimension ``case`` and are its coordinates; every other swept scalar has a
+    dimension of its own, beside frequency, gamma and seed.
+    """
     import xarray as xr
 
-    swept = axes(config)
-    gammas = np.array(as_list(config.excitation.gamma))
-    frequencies = np.array(every[0].frequencies)
-    dims = ("frequency", "gamma", *(axis.name for axis in swept), "seed")
-    shape = (len(frequencies), len(gammas), *(len(axis.values) for axis in swept), len(config.seeds))
+    cases, config = plan.cases, plan.cases.config
+    table = _table(plan, finished)
+    dims = [name for name in cases.dims if name not in {OWN[path] for path in cases.carried}]
+    shape = [n for name, n in zip(cases.dims, cases.shape, strict=True) if name in dims]
+    data = {name: (dims, values.reshape(shape)) for name, values in table.items()}
+    dataset = _with_seeds_that_ran(xr.Dataset(data, _coordinates(cases)), config)
+    dataset["particle_mass"] = _of_points(cases, plan.particle_mass)
+    dataset["excitation_frequency"] = _of_points(cases, plan.frequency, "frequency")
 
-    names = {name: None for value in values.values() for name in value}
-    arrays = {name: np.full(shape, -1 if name in INTEGERS else np.nan) for name in names}
-    for index, value in values.items():
-        for name, number in value.items():
-            arrays[name][index] = number
-    data = {name: (dims, a.astype(np.int64) if name in INTEGERS else a) for name, a in arrays.items()}
-    coords = {
-        "frequency": ("frequency", frequencies, {"units": "Hz", "long_name": "excitation frequency"}),
-        "gamma": ("gamma", gammas, {"units": "1", "long_name": "acceleration amplitude over g"}),
-        **{axis.name: (axis.name, np.array(axis.values), axis.attributes) for axis in swept},
-        "seed": ("seed", np.array(config.seeds), {"units": "1", "long_name": "seed of the packing"}),
-        "preparation": ((), config.preparation, {"units": "1", "long_name": "how the bed was prepared"}),
-    }
-    if swept and len({tuple(p.frequencies) for p in every}) > 1:
-        coords["frequency"][2]["comment"] = "of the first combination; see excitation_frequency for each"
-    dataset = xr.Dataset(data, coords)
-    ran = (dataset["status"] != NOT_RUN).any([dim for dim in dims if dim != "seed"])
-    dataset = dataset.isel(seed=ran.values)
-    dataset = dataset.merge(answers(dataset, config.accuracy.tolerance if config.accuracy else None))
-
-    point_dims = ("frequency", *(axis.name for axis in swept))
-    own = np.empty(tuple(len(dataset[d]) for d in point_dims))
-    particles = np.empty(own.shape[1:])
-    for point in every:
-        own[(slice(None), *point.index)] = point.frequencies
-        particles[point.index] = particle_mass(point.config)
-    dataset["excitation_frequency"] = (point_dims, own)
     speed = dataset["gamma"] * STANDARD_GRAVITY / (2 * np.pi * dataset["excitation_frequency"])
     dataset["displacement"] = speed / (2 * np.pi * dataset["excitation_frequency"])
-    dataset["effectiveness"] = dataset["energy_dissipated"] / dataset["maximum_energy"]
-    dataset["effectiveness_standard_error"] = dataset["energy_dissipated_standard_error"] / dataset["maximum_energy"]
-    if config.structure and config.structure.point_mass:
-        total = config.structure.point_mass.mass + xr.DataArray(particles, dims=point_dims[1:])
-        dataset["normalised_damping"] = normalised_damping(dataset["energy_dissipated"], speed, total)
-    dataset = dataset.drop_vars("maximum_energy")
-    if config.excitation.frequency == "modes":
-        dataset = dataset.merge(_modal(config, every, dataset, swept))
+    if "energy_dissipated" in dataset:
+        dataset = dataset.merge(answers(dataset, config.accuracy.tolerance if config.accuracy else None))
+        largest = dataset["maximum_energy"]
+        dataset["effectiveness"] = dataset["energy_dissipated"] / largest
+        dataset["effectiveness_standard_error"] = dataset["energy_dissipated_standard_error"] / largest
+        if config.structure and config.structure.point_mass:
+            empty = _scalar(cases, ("structure", "point_mass", "mass"), config.structure.point_mass.mass)
+            total = dataset["particle_mass"] + empty
+            dataset["normalised_damping"] = normalised_damping(dataset["energy_dissipated"], speed, total)
+        dataset = dataset.drop_vars("maximum_energy")
+        if cases.modal:
+            dataset = dataset.merge(_modal(cases, dataset))
     dataset = describe(dataset.transpose("mode", *dims, missing_dims="ignore"))
     dataset.attrs = {"title": config.title, **provenance(), "configuration": resolved_yaml(config)}
-    dataset.attrs["seeds"] = np.array(config.seeds)
-    dataset.attrs["effects"] = "; ".join(sorted({str(spec.effects) for spec in specs}))
-    dataset.attrs["effects_forced_off"] = ", ".join(sorted({name for spec in specs for name in spec.forced_off}))
+    if SEED not in cases.carried:
+        dataset.attrs["seeds"] = np.array(config.seeds)
+    dataset.attrs |= plan.said
     return dataset
 
 
-def _modal(config: Config, every: list[Point], dataset: xr.Dataset, swept: list[Axis]) -> xr.Dataset:
-    """Modal damping of every mode: mean over seeds, plus what the bare structure has."""
+def _table(plan: Plan, finished: Finished) -> dict[str, np.ndarray]:
+    """Values of every case, by name, in the order of the plan."""
+    at, found = finished.rows(plan.keys), np.zeros(len(plan.keys), bool)
+    found[called_for(plan, finished)] = True
+    found &= at >= 0
+    table = {}
+    for name, values in finished.values.items():
+        whole = name in INTEGERS
+        table[name] = np.full(len(plan.keys), -1 if whole else np.nan, np.int64 if whole else float)
+        table[name][found] = values[at[found]]
+    status = table.setdefault("status", np.full(len(plan.keys), int(Status.NOT_RUN)))
+    status[~found] = Status.NOT_RUN
+    status[plan.fate == EXCLUDED] = Status.EXCLUDED
+    status[plan.fate == REFUSED] = Status.REFUSED
+    messages = np.full(len(plan.keys), "", object)
+    messages[found] = finished.messages[at[found]]
+    by_point = messages.reshape(plan.cases.shape)
+    for index, why in plan.refused.items():
+        by_point[(slice(None), slice(None), *index)] = why
+    return table | ({"message": messages} if (messages != "").any() else {})
+
+
+def _coordinates(cases: Cases) -> dict:
+    """Of every dimension, and of what changes along ``case``."""
+    config, names = cases.config, cases.names()
+    coords: dict = {}
+    own = {FREQUENCY: _frequencies(cases), GAMMA: cases.gammas, SEED: cases.seeds}
+    for path, values in own.items():
+        if path not in cases.carried:
+            coords[OWN[path]] = (OWN[path], np.array(values), attributes(path))
+    for axis in cases.axes:
+        for path, values in axis.columns().items():
+            coords[names[path]] = (axis.name, np.array(values), attributes(path))
+        if axis.name == CASE:
+            coords[CASE] = (CASE, np.arange(len(axis)), {"units": "1", "long_name": "number of the case"})
+    if "preparation" not in coords:
+        coords["preparation"] = ((), config.preparation, attributes(("preparation",)))
+    return coords
+
+
+def _frequencies(cases: Cases) -> list[float]:
+    first = next((point for point in cases.points() if not point.refused), None)
+    return list(first.frequencies) if first else [np.nan] * cases.shape[0]
+
+
+def _of_points(cases: Cases, values: np.ndarray, *leading: str) -> tuple:
+    """Values that do not depend on gamma and seed, on (frequency, if asked for, and) the swept scalars."""
+    whole = values.reshape(cases.shape)[..., 0][:, 0]
+    dims = ("frequency", *(axis.name for axis in cases.axes))
+    if not leading or FREQUENCY in cases.carried:
+        return dims[1:], whole[0]
+    return dims, whole
+
+
+def _scalar(cases: Cases, path, otherwise) -> xr.DataArray:
+    """A scalar of the configuration, on the dimension along which it is swept, if it is."""
     import xarray as xr
 
-    dims = ("mode", *(axis.name for axis in swept))
-    first = every[0].modes
-    shape = (len(first.number), *(len(axis.values) for axis in swept))
-    table = {name: np.empty(shape) for name in MODAL}
-    for point in every:
-        at = (slice(None), *point.index)
+    for axis in cases.axes:
+        if path in axis.paths:
+            return xr.DataArray(np.array(axis.columns()[path], float), dims=axis.name)
+    return xr.DataArray(otherwise)
+
+
+def _modal(cases: Cases, dataset: xr.Dataset) -> xr.Dataset:
+    """Modal damping of every mode: mean over packings, plus what the bare structure has."""
+    import xarray as xr
+
+    dims = ("mode", *(axis.name for axis in cases.axes))
+    shape = (cases.shape[0], *cases.shape[2:-1])
+    table = {name: np.full(shape, np.nan) for name in MODAL}
+    for point in cases.points():
+        if point.refused:
+            continue
+        own = point.modes
         for name, attribute in MODAL.items():
-            table[name][at] = getattr(point.modes, attribute)
-    coords = {
-        "mode": ("mode", first.number, {"units": "1", "long_name": "bending mode" if config.structure.beam else "mode"})
-    }
+            table[name][(slice(None), *point.index)] = getattr(own, attribute)
+    family = "bending mode" if cases.config.structure.beam else "mode"
+    coords = {"mode": ("mode", own.number, {"units": "1", "long_name": family})}
     modal = xr.Dataset({name: (dims, values) for name, values in table.items()}, coords)
 
     def to_mode(array):
@@ -113,43 +164,40 @@ def _modal(config: Config, every: list[Point], dataset: xr.Dataset, swept: list[
     return modal.drop_vars("frequency", errors="ignore")
 
 
+def _with_seeds_that_ran(dataset: xr.Dataset, config: Config) -> xr.Dataset:
+    """Without the packings that the tolerance did not call for at any point."""
+    ran = dataset["status"] != NOT_RUN
+    if config.accuracy is None or "seed" not in dataset.dims or not ran.any():
+        return dataset
+    return dataset.isel(seed=ran.any([dim for dim in ran.dims if dim != "seed"]).values)
+
+
+_PARTS = ("energy_dissipated", "energy_dissipated_standard_error", "degrees_of_freedom")
+
+
 def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
     """Mean over the packings of every point, what it is worth, and whether that is what was asked for."""
     import xarray as xr
 
-    values = {name: dataset[name].transpose(..., "seed") for name in ("energy_dissipated", *_PARTS)}
-    status = dataset["status"].transpose(..., "seed").values
-    dims = values["energy_dissipated"].dims[:-1]
-    names = ("energy_mean", "energy_mean_standard_error", "energy_mean_interval", "packings", "within_tolerance")
-    out = {name: np.full(status.shape[:-1], -1 if name in INTEGERS else np.nan) for name in names}
-    for at in np.ndindex(status.shape[:-1]):
-        ran = status[at] != NOT_RUN
-        mean, error, degrees, step = (array.values[at][ran] for array in values.values())
-        answer = combined(mean, error, degrees)
-        left = float(np.mean(step))
-        total = math.hypot(answer.standard_error, left)
-        out["energy_mean"][at] = answer.mean
-        out["energy_mean_standard_error"][at] = total
-        out["energy_mean_interval"][at] = math.hypot(answer.interval, 2 * left)
-        out["packings"][at] = answer.packings
-        smallest = SMALLEST_EFFECTIVENESS * float(dataset["maximum_energy"].transpose(..., "seed").values[at][ran][0])
-        if tolerance is not None:
-            out["within_tolerance"][at] = total <= max(tolerance * answer.mean, smallest)
-    if tolerance is None:
-        del out["within_tolerance"]
-    return xr.Dataset(
-        {name: (dims, array.astype(np.int64) if name in INTEGERS else array) for name, array in out.items()}
-    )
+    def over_packings(name):
+        array = dataset[name]
+        return array.transpose(..., "seed").values if "seed" in array.dims else array.values[..., None]
 
-
-_PARTS = ("energy_dissipated_standard_error", "degrees_of_freedom", "discretisation_error")
-
-
-def resolved_yaml(config: Config) -> str:
-    """The configuration with every default filled in, in SI, as YAML."""
-    from ruamel.yaml import YAML
-
-    text = io.StringIO()
-    yaml = YAML()
-    yaml.dump(config.model_dump(mode="json"), text)
-    return text.getvalue()
+    status = over_packings("status")
+    ran = ~np.isin(status, (Status.NOT_RUN, Status.EXCLUDED, Status.REFUSED))
+    answer = combined(*(over_packings(name) for name in _PARTS), ran)
+    with np.errstate(invalid="ignore"):
+        left = np.where(ran, over_packings("discretisation_error"), 0.0).sum(-1) / np.maximum(answer.packings, 1)
+    total = np.hypot(answer.standard_error, left)
+    found = {
+        "energy_mean": answer.mean,
+        "energy_mean_standard_error": total,
+        "energy_mean_interval": np.hypot(answer.interval, 2 * left),
+        "packings": answer.packings.astype(np.int64),
+    }
+    if tolerance is not None:
+        largest = np.max(np.where(ran, over_packings("maximum_energy"), 0.0), axis=-1)
+        limit = np.maximum(tolerance * answer.mean, SMALLEST_EFFECTIVENESS * largest)
+        found["within_tolerance"] = (total <= limit).astype(np.int64)
+    dims = [dim for dim in dataset["status"].dims if dim != "seed"]
+    return xr.Dataset({name: (dims, values) for name, values in found.items()})

@@ -11,9 +11,10 @@ import numpy as np
 from .config import Config
 from .effects import Effects, called_for
 from .scene import STANDARD_GRAVITY
-from .sweep import as_list, grains
+from .sweep import grains
 
 if TYPE_CHECKING:
+    from .plan import Plan
     from .shaking import Spec
 
 CALLS_FOR = {
@@ -120,22 +121,24 @@ def _line(config: Config, key: str, value: str) -> str:
 
 def explain(config: Config, *, workers: int | None = None) -> str:
     """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled."""
-    from .study import every_spec
+    from .cases import Cases
+    from .plan import plan
     from .tolerance import applied
 
     config = applied(config)
-    specs = list(every_spec(config).values())
-    sets: dict[Effects, Spec] = {}
-    for spec in specs:
-        sets.setdefault(spec.effects, spec)
+    made = plan(Cases(config))
+    numbers = made.to_run()
+    sets: dict[Effects, list[int]] = {}
+    for group, (effects, _) in enumerate(made.groups):
+        sets.setdefault(effects, []).extend(numbers[made.group[numbers] == group])
     blocks = [config.title]
-    for number, (effects, spec) in enumerate(sets.items(), 1):
-        count = sum(s.effects == effects for s in specs)
-        heading = "Effects" if len(sets) == 1 else f"Effects, set {number} of {len(sets)} ({count} cases)"
+    for k, (effects, own) in enumerate(sets.items(), 1):
+        spec, _ = made.cases.spec(int(own[0]))
+        heading = "Effects" if len(sets) == 1 else f"Effects, set {k} of {len(sets)} ({len(own)} cases)"
         blocks.append("\n".join([heading, *_effects_table(config, spec), _precision(effects)]))
-    blocks.append("\n".join(["Step", *_steps(specs)]))
-    blocks.append("\n".join(["Cases", *_cases(config, specs)]))
-    blocks.append("\n".join(["Time and memory", *_price(config, specs, workers or os.cpu_count())]))
+    blocks.append("\n".join(["Step", *_steps(made, numbers)]))
+    blocks.append("\n".join(["Cases", *_cases(made, numbers)]))
+    blocks.append("\n".join(["Time and memory", *_price(made, numbers, workers or os.cpu_count())]))
     blocks.append("\n".join(["Not modelled", *(f"  {item}" for item in NOT_MODELLED)]))
     return "\n\n".join(blocks)
 
@@ -152,12 +155,12 @@ def _precision(effects: Effects) -> str:
     return f"  motion in {effects.precision}, energies in float64"
 
 
-def _steps(specs):
+def _steps(made: Plan, numbers):
     from .timestep import expected_speed, shortest_contact
 
-    finest = min(specs, key=lambda s: s.dt)
-    coarsest = max(specs, key=lambda s: s.dt)
-    for spec in dict.fromkeys((finest, coarsest)):
+    dt = made.dt[numbers]
+    for number in dict.fromkeys((int(numbers[dt.argmin()]), int(numbers[dt.argmax()]))):
+        spec, _ = made.cases.spec(number)
         drive = spec.scene.drive
         speed = expected_speed(spec.scene, spec.bed.grains.radius)
         contact = shortest_contact(spec.scene, spec.bed.grains, speed)
@@ -168,35 +171,47 @@ def _steps(specs):
         )
 
 
-def _cases(config, specs):
-    beds = {spec.bed.key() for spec in specs}
-    gammas = as_list(config.excitation.gamma)
-    yield f"  {len(specs)} cases, Gamma {min(gammas):g} to {max(gammas):g}; {len(beds)} {config.preparation} beds"
-    sizes = [len(spec.bed.grains) for spec in specs]
-    yield f"  {min(sizes)} particles each" if min(sizes) == max(sizes) else f"  {min(sizes)} to {max(sizes)} particles"
+def _cases(made: Plan, numbers):
+    from .plan import EXCLUDED, REFUSED
+
+    cases = made.cases
+    amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
+    preparation = f"{cases.config.preparation} " if "preparation" not in cases.names().values() else ""
+    yield f"  {len(numbers)} cases{amplitudes}; {len(made.beds)} {preparation}beds"
+    if cases.config.sweep:
+        lengths = " x ".join(f"{n} {name}" for name, n in zip(cases.dims, cases.shape, strict=True) if n > 1)
+        left_out = [
+            f"{np.sum(made.fate == fate)} {name}"
+            for fate, name in ((EXCLUDED, "excluded"), (REFUSED, "that cannot be"))
+            if np.any(made.fate == fate)
+        ]
+        yield f"  {lengths or '1'}{''.join(f', without {text}' for text in left_out)}"
+    low, high = made.particles[numbers].min(), made.particles[numbers].max()
+    yield f"  {low} particles each" if low == high else f"  {low} to {high} particles"
 
 
-def _price(config, specs, workers):
+def _price(made: Plan, numbers, workers):
+    from .batches import BATCH_COST, MOST_CASES
     from .speed import moving, recall
-    from .study import BATCH, criteria_of
 
-    least = sum(spec.cost(criteria_of(config, spec)) for spec in specs)
-    most = least * config.steady_state.most_cycles / config.steady_state.fewest_cycles
-    rates = [recall(moving, spec.effects) for spec in specs]
+    cost, group = made.cost[numbers], made.group[numbers]
+    longer = np.array([criteria.most / criteria.fewest for _, criteria in made.groups])
+    least, most = cost.sum(), (cost * longer[group]).sum()
     yield f"  at least {least:.3g} particle-steps, at most {most:.3g} if no case becomes steady; beds are extra"
+    rates = [recall(moving, effects) for effects, _ in made.groups]
     if None in rates:
         yield "  this machine's speed is not measured yet: warpdamp explain --measure takes half a minute"
     else:
-        spent = sum(spec.cost(criteria_of(config, spec)) * rate * 1e-9 for spec, rate in zip(specs, rates, strict=True))
+        spent = float((cost * np.array(rates)[group]).sum()) * 1e-9
         yield (
             f"  {np.mean(rates):.0f} ns per particle-step on this machine: at least {_duration(spent / workers)} on "
             f"{workers} cores, at most {_duration(spent / workers * most / least)}"
         )
-    largest = max(specs, key=lambda s: len(s.bed.grains))
-    case = particle_bytes(largest.effects) * len(largest.bed.grains) + row_bytes(largest.effects) * (
-        config.steady_state.most_cycles + 1
-    )
-    yield f"  about {(PROCESS_MEMORY + BATCH * case) / 1e6:.0f} MB for each of {workers} processes"
+    largest = int(made.particles[numbers].max())
+    effects, criteria = made.groups[0]
+    case = particle_bytes(effects) * largest + row_bytes(effects) * (criteria.most + 1)
+    batch = max(1, min(MOST_CASES, BATCH_COST / cost.mean()))
+    yield f"  about {(PROCESS_MEMORY + batch * case) / 1e6:.0f} MB for each of {workers} processes"
 
 
 def particle_bytes(effects: Effects) -> int:

@@ -15,11 +15,11 @@ Every bed is reproducible from its inputs, and is kept on disk under their hash.
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import logging
 import math
 import os
-import tempfile
 import zipfile
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -31,6 +31,7 @@ from scipy.spatial import cKDTree
 from . import PHYSICS_VERSION
 from .effects import Effects
 from .engine import Batch, Case
+from .files import keep, locked
 from .guards import LARGEST_RESIDUAL, residual_share
 from .kernels.data import OK
 from .ledger import Ledger
@@ -138,14 +139,14 @@ def prepare(request: Request) -> Packing:
     path = cache_folder() / f"{request.key()}.npz"
     if (stored := _stored(path)) is not None:
         return stored
-    packing = _make(request)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
-        np.savez(file, clearance=packing.clearance, blocks=packing.blocks, **vars(packing.state))
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(file.name, path)
-    return packing
+    with locked(path.parent / f".lock-{path.name[:2]}", wait=True):  # another process may be making it
+        if (stored := _stored(path)) is None:
+            stored = _make(request)
+            content = io.BytesIO()
+            np.savez(content, clearance=stored.clearance, blocks=stored.blocks, **vars(stored.state))
+            keep(path, content.getvalue())
+    return stored
 
 
 def _stored(path: Path) -> Packing | None:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .maps import panels, shown
 from .optimum import peaks
 from .packing import MOST_BLOCKS
+from .plot import over_seeds
 from .results import NOT_RUN
 from .steady import Status
 
@@ -29,27 +32,48 @@ def modes_table(modes) -> Table:
     return table
 
 
+MOST_ROWS = 40
+
+
 def summary(dataset: xr.Dataset) -> Table:
-    """Per mode (or frequency, and per swept value): f, phi and the peaks of the curve."""
+    """Per mode or frequency, and swept value: f, phi and the peaks of the curve; without curves, the best cases."""
+    if "gamma" not in dataset.dims or "effectiveness" not in dataset:
+        return _best(dataset)
     modal = "damping_ratio" in dataset
     if modal:
         value, error, lines = dataset["damping_ratio"], dataset["damping_ratio_standard_error"], "mode"
     else:
-        value = dataset["effectiveness"].mean("seed")
-        error = np.sqrt((dataset["effectiveness_standard_error"] ** 2).sum("seed")) / dataset.sizes["seed"]
-        lines = "frequency"
-    swept = [dim for dim in value.dims if dim not in (lines, "gamma")]
-    head = ("mode", "f [Hz]", "phi [kg^-½]") if modal else ("f [Hz]",)
+        (value, error), lines = over_seeds(dataset, "effectiveness"), "frequency"
+    status = dataset["status"].max("seed") if "seed" in dataset["status"].dims else dataset["status"]
+    outer = [dim for dim in (lines, *value.dims) if dim in value.dims and dim != "gamma"]
+    outer = list(dict.fromkeys(outer))
+    swept = [dim for dim in outer if dim != lines]
+    head = ("mode", "f [Hz]", "phi [kg^-½]") if modal else ("f [Hz]",) * (lines in outer)
     table = _table(*head, *swept, "peaks of the damping ratio" if modal else "peaks of the effectiveness")
-    stacked = value.stack(line=[lines, *swept])
-    for k in range(stacked.sizes["line"]):
-        at = {name: stacked[name].values[k] for name in (lines, *swept)}
-        found = peaks(dataset["gamma"], value.sel(at), error.sel(at))
-        case = dataset["status"].max("seed").sel({name: v for name, v in at.items() if name != "mode"})
-        if modal:
-            case = case.isel(frequency=int(np.flatnonzero(dataset["mode"] == at["mode"])[0]))
+    for at in panels(value, outer, MOST_ROWS):
+        found = peaks(dataset["gamma"], value.isel(at), error.isel(at))
+        case = status.isel({"frequency" if name == "mode" else name: k for name, k in at.items()})
         text = ", ".join(_peak(p, dataset["gamma"].values, case.sel(gamma=p.gamma)) for p in found)
-        table.add_row(*_line_head(dataset, at, modal), *(f"{at[name]:g}" for name in swept), text or "-")
+        own = {name: shown(value[name].values[k]) for name, k in at.items() if name != lines}
+        table.add_row(*_line_head(dataset, at), *own.values(), text or "-")
+    if math.prod(value.sizes[dim] for dim in outer) > MOST_ROWS:
+        table.caption = f"{MOST_ROWS} of {math.prod(value.sizes[dim] for dim in outer)} lines"
+    return table
+
+
+def _best(dataset: xr.Dataset) -> Table:
+    """The ten cases of the highest effectiveness."""
+    names = [str(name) for name in dataset.coords if name != "preparation" or dataset[name].ndim]
+    table = _table(*names, "effectiveness")
+    if "effectiveness" in dataset:
+        value = dataset["effectiveness"]
+        flat = value.stack(point=value.dims, create_index=False)
+        for k in np.argsort(-flat.values)[:10]:
+            if np.isfinite(flat.values[k]):
+                own = {name: dataset[name] for name in names}
+                at = {d: int(i) for d, i in zip(value.dims, np.unravel_index(k, value.shape), strict=True)}
+                cells = (shown(c.isel({d: i for d, i in at.items() if d in c.dims}).values) for c in own.values())
+                table.add_row(*cells, f"{flat.values[k]:.4g}")
     return table
 
 
@@ -65,12 +89,13 @@ def _peak(peak, gammas, status) -> str:
     )
 
 
-def _line_head(dataset, at, modal):
-    if not modal:
-        return (f"{at['frequency']:.2f}",)
-    own = dataset[["natural_frequency", "mode_amplitude"]]
-    own = own.sel({name: v for name, v in at.items() if name in own.dims})
-    return f"{at['mode']}", f"{float(own['natural_frequency']):.2f}", f"{float(own['mode_amplitude']):.4f}"
+def _line_head(dataset, at):
+    if "mode" in at:
+        own = dataset[["natural_frequency", "mode_amplitude"]]
+        own = own.isel({name: k for name, k in at.items() if name in own.dims})
+        mode = int(dataset["mode"][at["mode"]])
+        return f"{mode}", f"{float(own['natural_frequency']):.2f}", f"{float(own['mode_amplitude']):.4f}"
+    return (f"{float(dataset['frequency'][at['frequency']]):.2f}",) if "frequency" in at else ()
 
 
 def fits_table(fitted: xr.Dataset) -> Table:
@@ -123,15 +148,26 @@ def verdicts(dataset: xr.Dataset) -> list[str]:
     """How the cases ended, worst first, in sentences; and how well the ledger closed."""
     status = dataset["status"].values
     ran = np.sum(status != NOT_RUN)
-    lines = [f"{np.sum(status == s)} of {ran} cases: {s.meaning}" for s in reversed(Status) if np.any(status == s)]
+    ends = [s for s in reversed(Status) if s != NOT_RUN and np.any(status == s)]
+    lines = [f"{np.sum(status == s)} of {ran} cases: {s.meaning}" for s in ends]
     if "within_tolerance" in dataset:
         within = dataset["within_tolerance"].values
-        lines.append(f"{within.sum()} of {within.size} points are within the tolerance, with {_packings(dataset)}")
+        lines.append(
+            f"{np.sum(within == 1)} of {within.size} points are within the tolerance, with {_packings(dataset)}"
+        )
+    elif ran < status.size:
+        lines.append(f"{status.size - ran} of {status.size} cases: {Status.NOT_RUN.meaning}")
+    if "message" in dataset:
+        said = sorted({text for text in dataset["message"].values.ravel() if text})
+        lines += [f"  {text}" for text in said[:5]] + (
+            [f"  and {len(said) - 5} other messages"] if len(said) > 5 else []
+        )
+    if "ledger_residual" not in dataset:
+        return lines
     stopped = dataset["compaction_blocks"] >= MOST_BLOCKS
     if stopped.any():
-        lines.append(
-            f"{int(stopped.any(('frequency', 'gamma')).sum())} beds were still compacting when their preparation ended"
-        )
+        of_drive = [dim for dim in ("frequency", "gamma") if dim in stopped.dims]
+        lines.append(f"{int(stopped.any(of_drive).sum())} beds were still compacting when their preparation ended")
     residual = dataset["ledger_residual"].values
     if np.isfinite(residual).any():
         lines.append(f"energy ledger: residual at most {100 * np.nanmax(residual):.2g} % of the dissipation")

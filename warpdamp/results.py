@@ -50,6 +50,8 @@ VARIABLES = {
     "steps": ("1", "steps run"),
     "cpu_time": ("s", "processor time"),
     "status": ("1", "how the case ended"),
+    "message": ("1", "why the case could not be run"),
+    "particle_mass": ("kg", "mass of all particles"),
     "damping_ratio": ("1", "modal damping ratio (eqs 6-11), mean over seeds"),
     "damping_ratio_standard_error": ("1", "standard error of the modal damping ratio"),
     "natural_frequency": ("Hz", "natural frequency with the particles' mass"),

@@ -176,5 +176,4 @@ def _direction(direction) -> tuple[float, float, float]:
 
 def _file(config: Config, name: str) -> Path:
     """A file that a configuration names, beside it unless its path is absolute."""
-    folder = config._source[0].parent if config._source else Path()
-    return folder / name
+    return config.folder / name

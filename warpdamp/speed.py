@@ -141,8 +141,9 @@ def _kept() -> dict[str, float]:
 
 def measure_study(config) -> None:
     """Measure what the cases of a study cost, and what each of their effects does."""
-    from .study import every_spec
+    from .cases import Cases
+    from .plan import plan
 
-    own = {spec.effects for spec in every_spec(config).values()}
+    own = {effects for effects, _ in plan(Cases(config)).groups}
     remember(moving, moving(list(own)))
     remember(frozen, frozen(list(own | {without(effects, name) for effects in own for name in TOGGLES})))

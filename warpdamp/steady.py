@@ -18,6 +18,7 @@ import numpy as np
 class Status(IntEnum):
     """How a case ended; the value is what the Dataset's ``status`` holds."""
 
+    NOT_RUN = -1
     STEADY = 0
     IMPRECISE = 1
     DRIFTING = 2
@@ -25,6 +26,11 @@ class Status(IntEnum):
     TOO_DEEP = 4
     NOT_FINITE = 5
     ESCAPED = 6
+    FAILED = 20
+    DIED = 21
+    OVERDUE = 22
+    REFUSED = 23
+    EXCLUDED = 24
 
     @property
     def meaning(self) -> str:
@@ -42,7 +48,16 @@ _MEANINGS = {
     "material or lower amplitudes",
     Status.NOT_FINITE: "the state was no longer finite: raise numerics.steps_per_contact",
     Status.ESCAPED: "a particle left the cavity: raise numerics.steps_per_contact, or lower the amplitude",
+    Status.FAILED: "could not be run; see message; a further run tries again",
+    Status.DIED: "its process died each time, perhaps for want of memory; a further run tries again",
+    Status.OVERDUE: "its process was stopped at the limit of time; a further run tries again",
+    Status.REFUSED: "a combination that cannot be; see message",
+    Status.EXCLUDED: "left out by sweep.exclude",
+    Status.NOT_RUN: "not run yet",
 }
+
+FIRST_UNFINISHED = Status.FAILED
+"""From this status on a case has not been simulated to its end."""
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, StrictInt, model_validator
@@ -167,6 +168,16 @@ class StructureConfig(Model):
     def material(self) -> str | None:
         """Name of the structure's material, where it has one."""
         return getattr(self, self.source).material if self.computed else None
+
+    def found_from(self, folder: Path) -> StructureConfig:
+        """The same with paths of its files that start at ``folder``, where they are not whole already."""
+        own = getattr(self, self.source)
+        if self.source == "beam" and own.section:
+            section = own.section.model_copy(update={"file": str(folder / own.section.file)})
+            return self.model_copy(update={"beam": own.model_copy(update={"section": section})})
+        if self.source in ("mesh", "mode_file"):
+            return self.model_copy(update={self.source: own.model_copy(update={"file": str(folder / own.file)})})
+        return self
 
     @model_validator(mode="after")
     def _consistent(self):

@@ -1,45 +1,42 @@
-"""The order of the work: configuration -> modes -> beds -> cases -> Dataset -> modal damping."""
+"""The order of the work: configuration -> cases -> beds -> batches -> store -> Dataset."""
 
 from __future__ import annotations
 
+import importlib
 import math
-import os
-import sys
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
-from functools import partial
-from multiprocessing import get_context
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .axes import settled
+from .cases import Cases
 from .config import Config, load
 from .dataset import assemble
+from .plan import Plan, keep_plan, kept_plan, ready_plan
+from .rounds import NEEDED, called_for
 from .scene import STANDARD_GRAVITY
-from .sources import modes
-from .sweep import Point, as_list, drive, grains, particle_mass, points, scene
-from .tolerance import applied, first_round, next_round
+from .steady import FIRST_UNFINISHED, Status
+from .store import Finished, Store
+from .sweep import as_list
+from .tolerance import applied
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .effects import Effects
-    from .modal.modes import Modes
-    from .shaking import Criteria, Spec
+    from .shaking import Criteria
 
 Report = Callable[[str, float], None]
 """Told the stage and the part of it that is done, 0 to 1."""
-
-BATCH = 4
-"""Cases to a batch: enough to hide what a launch costs, few enough to share out evenly."""
 
 QUICK = {"amplitudes": 5, "fewest_cycles": 12, "most_cycles": 12}
 
 
 def shortened(config: Config) -> Config:
-    """The same study in a minute: five amplitudes, one seed, a loose bed, 12 cycles a case.
+    """The same study in a minute: five amplitudes, one seed, a loose bed, 12 cycles a case, without its ``sweep``.
 
     Its figures are a first look only: loose beds drift, and ``status`` says so.
     """
@@ -49,6 +46,7 @@ def shortened(config: Config) -> Config:
         "title": f"{config.title} (quick look)",
         "excitation": config.excitation.model_copy(update={"gamma": [gammas[k] for k in few]}),
         "seeds": config.seeds[:1],
+        "sweep": None,
         "accuracy": None,
         "preparation": "loose",
         "steady_state": config.steady_state.model_copy(
@@ -63,17 +61,25 @@ def shortened(config: Config) -> Config:
 def run(
     config: Config | str | Path,
     *,
-    quick: bool = False,
+    store: str | Path | None = None,
+    executor: str | Executor = "processes",
     workers: int | None = None,
+    quick: bool = False,
+    limit: float | None = None,
     report: Report = lambda stage, done: None,
 ) -> xr.Dataset:
-    """Run a study.
+    """Run a study, or what is left of it.
 
     Parameters
     ----------
     config : Config or path of a YAML file
+    store : folder in which every case is kept as soon as its batch is done, and from which a study that was
+        interrupted, or enlarged, goes on (default: none is kept)
+    executor : "processes", "in-process", "dask" (a cluster started here), the address of a Dask scheduler, or an
+        ``concurrent.futures.Executor``
+    workers : how many (default: the cores of this machine)
     quick : run ``shortened(config)``
-    workers : number of worker processes (default: the cores of this machine)
+    limit : seconds after which a batch is taken for hanging (default: far above what it may take)
     report : called as ``report(stage, part_done)``
 
     Returns
@@ -87,48 +93,102 @@ def run(
         If the configuration cannot be run, or its beds cannot be made.
     SimulationError
         If every case failed.
+    StoreError
+        If the store cannot be written, or another run is at work in it.
     """
-    from .packing import separate
-    from .shaking import warm_up
+    with TemporaryDirectory(prefix="warpdamp-") as scratch:
+        folder = Path(store or scratch)
+        made = carry_out(config, folder, executor=executor, workers=workers, quick=quick, limit=limit, report=report)
+        return _collected(made, Store(folder))
 
-    if not isinstance(config, Config):
-        config = load(config)
+
+def carry_out(
+    config: Config | str | Path,
+    store: str | Path,
+    *,
+    part: tuple[int, int] | None = None,
+    executor: str | Executor = "processes",
+    workers: int | None = None,
+    quick: bool = False,
+    limit: float | None = None,
+    report: Report = lambda stage, done: None,
+) -> Plan:
+    """Run the cases of a study, or of one part of it, that are not in a store yet; see ``run``.
+
+    Parameters
+    ----------
+    part : (k, n) for the k-th of n parts, which may run side by side; together they are the whole
+    """
+    from .executors import crew
+    from .journal import Journal
+    from .labour import Labour
+
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be at least 1, got {workers}")
-    config = applied(shortened(config) if quick else config)
-
-    report("modes", 0.0)
-    every = study_points(config)
-    report("modes", 1.0)
-    specs = every_spec(config, every)
-    first = next(iter(specs.values()))
-    for seed in config.seeds:  # a bed that cannot be made is refused before anything long starts
-        _placed(config, partial(separate, first.bed.grains.radius, first.scene.enclosure, seed))
-
-    report("kernels", 0.0)
-    for effects in sorted(every_effects(specs.values()), key=str):
-        warm_up(first.scene, effects)
-    report("kernels", 1.0)
-    values = {}
-    with processes(workers) as executor:
-        todo = first_round(config, specs)
-        while todo:
-            values |= _run_cases(config, todo, executor, report)
-            todo = next_round(config, specs, values)
-    _raise_if_all_failed(values)
-    return assemble(config, every, specs.values(), values)
+    if not isinstance(config, Config):
+        config = load(config)
+    config = settled(applied(shortened(config) if quick else config))
+    kept = Store(store)
+    with kept.claim(part):
+        report("modes", 0.0)
+        made = ready_plan(Cases(config), kept.folder)
+        report("modes", 1.0)
+        _refuse_what_does_not_fit(made)
+        keep_plan(made, kept.folder)
+        numbers = _left(made, kept, part)
+        with Journal(kept.folder, len(numbers), part) as journal:
+            if len(numbers):
+                with crew(executor, workers) as own:
+                    labour = Labour(made, kept, own, journal, limit, report)
+                    labour.run(numbers)
+                    for further in _further(made, kept, part, numbers):
+                        journal.further(len(further))
+                        labour.run(further)
+    return made
 
 
-def every_effects(specs: Iterable[Spec]) -> set[Effects]:
-    """All that kernels are compiled for in a study."""
-    from .packing import effects
+def _further(made: Plan, kept: Store, part: tuple[int, int] | None, tried: np.ndarray) -> Iterator[np.ndarray]:
+    """Numbers of the cases that the results of those before call for, round by round; each is tried once."""
+    while made.cases.config.accuracy is not None:
+        numbers = np.setdiff1d(_left(made, kept, part), tried)
+        if not len(numbers):
+            return
+        tried = np.union1d(tried, numbers)
+        yield numbers
 
-    specs = list(specs)
-    beds = {spec.bed for spec in specs}
-    return {spec.effects for spec in specs}.union(*(effects(bed) for bed in beds))
+
+def collect(store: str | Path) -> xr.Dataset:
+    """What is done of the study in a store, at any moment, as one Dataset.
+
+    Raises
+    ------
+    StoreError
+        If there is no study in the folder.
+    """
+    kept = Store.existing(store)
+    return _with_accessor(assemble(kept_plan(kept.folder), kept.read()))
 
 
-def _raise_if_all_failed(values: dict) -> None:
+def _collected(made: Plan, kept: Store) -> xr.Dataset:
+    """All that is done, if anything is.
+
+    Raises
+    ------
+    ConfigError, SimulationError
+        If every case failed.
+    """
+    finished = kept.read()
+    _raise_if_all_failed(made, finished)
+    return _with_accessor(assemble(made, finished))
+
+
+def _with_accessor(dataset: xr.Dataset) -> xr.Dataset:
+    """The Dataset, once ``dataset.damper`` is there."""
+    importlib.import_module(".accessor", __package__)
+    return dataset
+
+
+def _raise_if_all_failed(made: Plan, finished: Finished) -> None:
     """One bad case of a sweep is a value; a study of which nothing is left is an error.
 
     Raises
@@ -136,69 +196,58 @@ def _raise_if_all_failed(values: dict) -> None:
     SimulationError
     """
     from .guards import SimulationError
-    from .steady import Status
 
-    if not any("energy_dissipated" in value for value in values.values()):
-        worst = Status(max(value["status"] for value in values.values()))
-        raise SimulationError(f"all {len(values)} cases failed: {worst.meaning}")
-
-
-def study_points(config: Config) -> list[Point]:
-    """Every combination of the swept scalars, with the modes of the structure for each mass of particles."""
-    found: dict[float, Modes] = {}
-    every = []
-    for index, single in points(config):
-        single._source = config._source
-        particles = particle_mass(single)
-        if config.excitation.frequency == "modes" and particles not in found:
-            found[particles] = modes(single, particles=particles)
-        own = found.get(particles)
-        if config.excitation.frequency == "modes":
-            # to a microhertz: an eigensolver's last bits depend on the machine, and beds are chaotic
-            frequencies = [round(float(f), 6) for f in own.frequency]
-        else:
-            frequencies = as_list(config.excitation.frequency)
-        every.append(Point(index, single, own, frequencies))
-    return every
+    own = np.isin(finished.keys, made.keys[made.to_run()])
+    status = finished.status[own]
+    energy = finished.values.get("energy_dissipated", np.full(len(finished), np.nan))[own]
+    if not own.any() or np.isfinite(energy).any():
+        return
+    worst = Status(int(status.max()))
+    said = next((message for message in finished.messages[own] if message), worst.meaning)
+    raise SimulationError(f"all {own.sum()} cases failed: {said}")
 
 
-def every_spec(config: Config, every: list[Point] | None = None) -> dict[tuple[int, ...], Spec]:
-    """All cases of a study, by their index in (frequency, gamma, swept scalars, seed)."""
-    specs = {}
-    for point in every or study_points(config):
-        specs |= _specs(config, point)
-    return specs
+def _left(made: Plan, kept: Store, part: tuple[int, int] | None) -> np.ndarray:
+    """Numbers of the cases to run: called for, of this part, and not in the store."""
+    finished = kept.read(NEEDED, repair=True)
+    numbers = called_for(made, finished)
+    if part is not None:
+        k, n = part
+        owners = made.keys[made.chain[_first_packings(made)[numbers]]]
+        own = np.array([int.from_bytes(bytes(owner)[:7], "big") % n == k - 1 for owner in owners], bool)
+        numbers = numbers[own]
+    return numbers[~np.isin(made.keys[numbers], finished.keys[finished.status < FIRST_UNFINISHED])]
 
 
-def _specs(config: Config, point: Point) -> dict[tuple[int, ...], Spec]:
-    """All cases of a point, by their index in (frequency, gamma, swept scalars, seed)."""
-    from .packing import Request
-    from .shaking import PAPER_SETTLING, Spec
-    from .timestep import Numerics
+def _first_packings(made: Plan) -> np.ndarray:
+    """For every case the one by which it is dealt to a part: itself or, with a tolerance, its point's first packing.
 
-    still, own = scene(point.config), grains(point.config)
-    numerics = Numerics(config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced())
-    paper = config.steady_state.recipe == "paper"
-    specs = {}
-    for i, frequency in enumerate(point.frequencies):
-        for j, gamma in enumerate(as_list(config.excitation.gamma)):
-            driven = still.driven(drive(point.config, frequency, gamma))
-            steps = _steps(config, driven, own)
-            for k, seed in enumerate(config.seeds):
-                bed = Request(
-                    scene=still,
-                    grains=own,
-                    seed=seed,
-                    preparation="loose" if config.preparation == "carried" else config.preparation,
-                    settling_time=PAPER_SETTLING if paper else None,
-                    numerics=numerics,
-                )
-                index = (i, j, *point.index, k)
-                specs[index] = Spec(index, driven, steps, bed)
-    return specs
+    Whether a point needs another packing is seen only by who has the others.
+    """
+    every = np.arange(len(made.keys))
+    return every if made.cases.config.accuracy is None else every - every % made.cases.shape[-1]
 
 
-def _steps(config: Config, driven, own) -> int:
+def _refuse_what_does_not_fit(made: Plan) -> None:
+    """A single bed that cannot be made is refused before anything long starts; one of several is a failed case.
+
+    Raises
+    ------
+    ConfigError
+    """
+    from .packing import PackingError, separate
+
+    if math.prod(made.cases.shape[2:-1]) > 1:
+        return
+    for number in made.beds.values():
+        spec, _ = made.cases.spec(number)
+        try:
+            separate(spec.bed.grains.radius, spec.scene.enclosure, spec.bed.seed)
+        except PackingError as error:
+            raise made.cases.config.error(error.key, str(error)) from None
+
+
+def steps_of(config: Config, driven, own) -> int:
     """Steps per cycle, chosen or forced.
 
     Raises
@@ -230,90 +279,11 @@ def _steps(config: Config, driven, own) -> int:
     return max(FEWEST_STEPS_PER_CYCLE, math.ceil(1 / (driven.drive.frequency * numerics.step)))
 
 
-@contextmanager
-def processes(workers: int | None) -> Iterator[Executor]:
-    """Processes, started fresh: Warp does not promise that its runtime survives a fork.
-
-    A fresh process imports the script that was started.  The workers do not need it, and a script that calls ``run``
-    at its top level would start itself again in every one of them: so they are not told of it.
-    """
-    main = sys.modules["__main__"]
-    kept = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
-    try:
-        main.__spec__ = None
-        main.__dict__.pop("__file__", None)
-        with ProcessPoolExecutor(workers or os.cpu_count(), mp_context=get_context("spawn")) as executor:
-            yield executor
-    finally:
-        vars(main).update(kept)
-
-
-def _placed(config: Config, call: Callable):
-    """Call, and point a packing that cannot be made at the configuration's key."""
-    from .packing import PackingError
-
-    try:
-        return call()
-    except PackingError as error:
-        raise config.error(error.key, str(error)) from None
-
-
-def _run_cases(config: Config, specs: dict, executor: Executor, report: Report) -> dict:
-    """Beds first, each once; then batches of cases, the dearest first so that all workers finish together."""
-    from .packing import prepare
-    from .shaking import shake
-
-    beds = {spec.bed.key(): spec.bed for spec in specs.values()}
-    pending = {executor.submit(prepare, bed): 1.0 for bed in beds.values()}
-    for future in _finished(pending, partial(report, "beds")):
-        _placed(config, future.result)
-
-    pending = {}
-    for batch, criteria in _batches(config, list(specs.values())):
-        pending[executor.submit(shake, batch, criteria)] = sum(s.cost(criteria) for chain in batch for s in chain)
-    values = {}
-    for future in _finished(pending, partial(report, "cases")):
-        values |= dict(future.result())
-    return values
-
-
-def _finished(pending: dict[Future, float], report: Callable[[float], None]):
-    """The futures as they finish; reports the part of their weights that is done."""
-    total, done = sum(pending.values()), 0.0
-    report(0.0)
-    try:
-        for future in as_completed(pending):
-            yield future
-            done += pending[future]
-            report(done / total)
-    finally:
-        for future in pending:
-            future.cancel()
-
-
-def _batches(config: Config, specs: list[Spec]) -> list[tuple[list[list[Spec]], Criteria]]:
-    """Chains of cases in batches of equal criteria and effects, sorted by cost."""
-    chains: dict[tuple, list[Spec]] = {}
-    for spec in specs:
-        own = (spec.index[0], *spec.index[2:]) if config.preparation == "carried" else spec.index
-        chains.setdefault(own, []).append(spec)
-
-    groups: dict[tuple[Criteria, Effects], list[list[Spec]]] = {}
-    for chain in chains.values():
-        chain.sort(key=lambda spec: spec.scene.drive.acceleration)
-        groups.setdefault((criteria_of(config, chain[0]), chain[0].effects), []).append(chain)
-    batches = []
-    for (criteria, _), group in groups.items():
-        group.sort(key=lambda chain: -sum(spec.cost(criteria) for spec in chain))
-        batches += [(group[k : k + BATCH], criteria) for k in range(0, len(group), BATCH)]
-    return sorted(batches, key=lambda b: -sum(spec.cost(b[1]) for chain in b[0] for spec in chain))
-
-
-def criteria_of(config: Config, spec: Spec) -> Criteria:
-    """When a case is done."""
+def criteria_of(config: Config, frequency: float) -> Criteria:
+    """When a case at a frequency is done."""
     from .shaking import Criteria, paper_criteria
 
     wanted = config.steady_state
     if wanted.recipe == "paper":
-        return paper_criteria(spec.scene.drive.frequency)
+        return paper_criteria(frequency)
     return Criteria(wanted.standard_error, wanted.fewest_cycles, wanted.most_cycles)

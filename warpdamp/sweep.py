@@ -1,10 +1,6 @@
-"""A study's axes: which scalars are lists, and the scene at every point of their product."""
+"""From a configuration of single values to what is simulated."""
 
 from __future__ import annotations
-
-import itertools
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,94 +8,10 @@ from .config import Config
 from .config_damper import WALLS
 from .scene import STANDARD_GRAVITY, Cylinder, Drive, Grains, Material, Scene, Surface
 
-if TYPE_CHECKING:
-    from .modal.modes import Modes
-
-UNITS = {
-    "density": ("kg m-3", "density"),
-    "youngs_modulus": ("Pa", "Young's modulus"),
-    "poissons_ratio": ("1", "Poisson's ratio"),
-    "restitution": ("1", "coefficient of restitution"),
-    "friction": ("1", "coefficient of friction"),
-    "rolling_friction": ("1", "coefficient of rolling friction"),
-    "gravity": ("m s-2", "gravity"),
-}
-
-
-@dataclass(frozen=True)
-class Axis:
-    """A swept scalar: its name among the results' dimensions, its path in the configuration, its values (SI)."""
-
-    name: str
-    path: tuple[str, ...]
-    values: tuple[float, ...]
-
-    @property
-    def attributes(self) -> dict:
-        """CF attributes of its coordinate."""
-        units, long_name = UNITS[self.path[-1]]
-        return {"units": units, "long_name": long_name, "configuration_key": ".".join(self.path)}
-
-
-@dataclass(frozen=True)
-class Point:
-    """One combination of the swept scalars: its configuration, its modes, and its excitation frequencies [Hz]."""
-
-    index: tuple[int, ...]
-    config: Config
-    modes: Modes | None
-    frequencies: list[float]
-
 
 def as_list(value) -> list:
     """A swept scalar's values, whether one or a list."""
     return list(value) if isinstance(value, list) else [value]
-
-
-def axes(config: Config) -> list[Axis]:
-    """The swept scalars of materials, contact and gravity.
-
-    An axis is called by its key; where two keys are the same, by its path.
-
-    Raises
-    ------
-    ConfigError
-        If an axis names a value twice.
-    """
-    values = config.model_dump()
-    found = []
-    for section in ("materials", "contact", "excitation"):
-        found += [
-            (path, tuple(value))
-            for path, value in _leaves(values[section], (section,))
-            if isinstance(value, list) and path[-1] not in ("gamma", "frequency", "direction", "gravity_direction")
-        ]
-    for path, points in [*found, (("excitation", "gamma"), tuple(as_list(config.excitation.gamma)))]:
-        if len(set(points)) < len(points):
-            raise config.error(".".join(path), "each value once")
-    keys = [path[-1] for path, _ in found]
-    return [Axis(path[-1] if keys.count(path[-1]) == 1 else "_".join(path[1:]), path, points) for path, points in found]
-
-
-def _leaves(node, path):
-    for key, value in node.items():
-        if isinstance(value, dict):
-            yield from _leaves(value, (*path, key))
-        else:
-            yield (*path, key), value
-
-
-def points(config: Config):
-    """Every combination of the swept scalars: (index, configuration with one value each)."""
-    swept = axes(config)
-    for index in itertools.product(*(range(len(axis.values)) for axis in swept)):
-        values = config.model_dump()
-        for axis, k in zip(swept, index, strict=True):
-            node = values
-            for key in axis.path[:-1]:
-                node = node[key]
-            node[axis.path[-1]] = axis.values[k]
-        yield index, Config.model_validate(values)
 
 
 def grains(config: Config) -> Grains:

@@ -92,53 +92,35 @@ def applied(config: Config) -> Config:
         update={"standard_error": chosen.standard_error, "fewest_cycles": chosen.fewest_cycles}
     )
     numerics = config.numerics.model_copy(update={"steps_per_contact": chosen.steps_per_contact})
-    seeds = config.seeds if "seeds" in config.model_fields_set else list(range(1, config.accuracy.most_packings + 1))
+    given = "seeds" in config.model_fields_set or (config.sweep and config.sweep.varies("seed", "seeds"))
+    seeds = config.seeds if given else list(range(1, config.accuracy.most_packings + 1))
     changed = config.model_copy(update={"steady_state": steady, "numerics": numerics, "seeds": seeds})
     changed._source = config._source
     return changed
 
 
-def first_round(config: Config, specs: dict) -> dict:
-    """The cases to begin with: with a tolerance, those of the first few packings."""
-    if config.accuracy is None:
-        return specs
-    return {index: spec for index, spec in specs.items() if index[-1] < FEWEST_PACKINGS}
-
-
-def next_round(config: Config, specs: dict, values: dict) -> dict:
-    """The cases to go on with: one more packing for every point that its packings do not tell well enough.
+def packings_called_for(energies, errors, degrees, largest, tolerance: float) -> int:
+    """How many of a point's packings it takes, as far as those that ran tell: a few, and more while they disagree.
 
     Parameters
     ----------
-    specs : all cases, by their index; the last part of it is the packing
-    values : what the cases run so far gave
+    energies, errors, degrees : (n,) energy per cycle, its standard error and that one's degrees of freedom, of every
+        packing that there may be; NaN where it has not run, or failed: more of what failed does not help
+    largest : (n,) energy of the ideal damper [J]
+    tolerance : relative
     """
-    if config.accuracy is None:
-        return {}
-    points: dict[tuple, list[dict]] = {}
-    for index, value in values.items():
-        points.setdefault(index[:-1], []).append(value)
-    further = {}
-    for point, packings in points.items():
-        index = (*point, len(packings))
-        if index in specs and _untold(packings, config.accuracy.tolerance):
-            further[index] = specs[index]
-    return further
-
-
-def _untold(packings: list[dict], tolerance: float) -> bool:
-    """Whether the packings of a point leave more error than asked for, though each did what it could."""
-    if any("energy_dissipated" not in value for value in packings):
-        return False  # more of what failed does not help
-    names = ("energy_dissipated", "energy_dissipated_standard_error", "degrees_of_freedom")
-    answer = combined(*([value[name] for value in packings] for name in names))
-    floor = SMALLEST_EFFECTIVENESS * packings[0]["maximum_energy"]
-    return answer.standard_error > max(tolerance * answer.mean, floor)
+    n = min(FEWEST_PACKINGS, len(energies))
+    while n < len(energies) and np.isfinite(energies[:n]).all():
+        answer = combined(energies[:n], errors[:n], degrees[:n])
+        if answer.standard_error <= max(tolerance * answer.mean, SMALLEST_EFFECTIVENESS * largest[0]):
+            break
+        n += 1
+    return n
 
 
 @dataclass(frozen=True)
 class Answer:
-    """The mean over packings and what it is worth.
+    """Means over packings and what they are worth, each an array over points.
 
     Parameters
     ----------
@@ -148,33 +130,39 @@ class Answer:
     packings : how many
     """
 
-    mean: float
-    standard_error: float
-    interval: float
-    packings: int
+    mean: np.ndarray
+    standard_error: np.ndarray
+    interval: np.ndarray
+    packings: np.ndarray
 
 
-def combined(means, errors, degrees) -> Answer:
+def combined(means, errors, degrees, ran=True) -> Answer:
     """Combine packings.
 
     Parameters
     ----------
-    means, errors : (n,) mean and standard error of each packing
-    degrees : (n,) degrees of freedom of each error
+    means, errors : (..., n) mean and standard error of each packing
+    degrees : (..., n) degrees of freedom of each error
+    ran : (..., n) which of them there are
     """
-    means, errors, degrees = (np.asarray(values, float) for values in (means, errors, degrees))
-    n = len(means)
-    within = math.sqrt(float(np.sum(errors**2))) / n
-    between = float(means.std(ddof=1)) / math.sqrt(n) if n > 1 else 0.0
-    own = (
-        float(np.sum(errors**2) ** 2 / np.sum(errors**4 / degrees)) if within > 0 else math.inf
-    )  # Welch, Satterthwaite
-    error, freedom = max((within, own), (between, n - 1.0))
-    return Answer(float(means.mean()), error, error * student(freedom), n)
+    means, errors, degrees, ran = np.broadcast_arrays(*(np.asarray(a) for a in (means, errors, degrees, ran)))
+
+    def total(values):
+        return np.sum(np.where(ran, values, 0.0), axis=-1)
+
+    n = ran.sum(axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = total(means) / n
+        within = np.sqrt(total(errors**2)) / n
+        between = np.where(n > 1, np.sqrt(total((means - mean[..., None]) ** 2) / ((n - 1) * n)), 0.0)
+        own = total(errors**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
+    own = np.where(within > 0, own, math.inf)
+    error = np.maximum(within, between)
+    return Answer(mean, error, error * student(np.where(between > within, n - 1.0, own)), n)
 
 
-def student(degrees: float) -> float:
+def student(degrees):
     """Half-width of the 95 % interval over the standard error."""
     from scipy.special import stdtrit
 
-    return float(stdtrit(min(max(degrees, 1.0), 1e6), 0.975))
+    return stdtrit(np.clip(degrees, 1.0, 1e6), 0.975)

@@ -73,7 +73,7 @@ def quantity(unit: str) -> Any:
     return Annotated[
         float,
         BeforeValidator(lambda value: to_si(value, unit)),
-        WithJsonSchema({"type": ["number", "string"], "description": described}),
+        WithJsonSchema({"type": ["number", "string"], "description": described, "unit": unit}),
     ]
 
 

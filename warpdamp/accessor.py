@@ -1,0 +1,107 @@
+"""Analyses as methods of a Dataset: ``dataset.damper.optimum()``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .modal.modes import Modes
+
+
+def open_results(path: str | Path) -> xr.Dataset:
+    """Open a results file; its Dataset has ``.damper``.
+
+    Raises
+    ------
+    OSError
+        If it is not there, or is no results file.
+    """
+    try:
+        dataset = xr.open_dataset(path)
+    except ValueError:
+        raise OSError(f"{path}: is no netCDF file") from None
+    if "status" not in dataset:
+        dataset.close()
+        raise OSError(f"{path}: is no results file of warpdamp (it has no status)")
+    return dataset
+
+
+@xr.register_dataset_accessor("damper")
+class Damper:
+    """What a Dataset of warpdamp says.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    """
+
+    def __init__(self, dataset: xr.Dataset):
+        self._dataset = dataset
+
+    def optimum(self, of: str = "effectiveness") -> xr.Dataset:
+        """Gamma of fluidisation and of two-sided collision; see ``warpdamp.optimum.optimum``."""
+        from .optimum import optimum
+
+        return optimum(self._dataset, of)
+
+    def regime(self) -> xr.DataArray:
+        """Regime of motion of every case; see ``warpdamp.regimes.regime``."""
+        from .regimes import regime
+
+        return regime(self._dataset)
+
+    def damping(self, modes: Modes) -> xr.Dataset:
+        """Damping ratio of any structure's modes with this damper, (2 / pi) eps m phi^2 (eqs 4-11), mean over seeds.
+
+        Effectiveness is taken linearly between the frequencies that were run.
+
+        Raises
+        ------
+        ValueError
+            If a mode's frequency lies outside those that were run, or there is no frequency dimension.
+        """
+        dataset = self._dataset
+        if "frequency" not in dataset["effectiveness"].dims:
+            raise ValueError("damping of modes needs frequency as a dimension of the Dataset")
+        low, high = float(dataset["frequency"].min()), float(dataset["frequency"].max())
+        outside = [f for f in np.asarray(modes.frequency) if not low <= f <= high]
+        if outside:
+            raise ValueError(f"a mode at {outside[0]:.1f} Hz lies outside the frequencies run, {low:g} to {high:g} Hz")
+        number = xr.DataArray(np.asarray(modes.number), dims="mode", attrs={"units": "1", "long_name": "mode"})
+        frequency, amplitude = (xr.DataArray(np.asarray(a), dims="mode") for a in (modes.frequency, modes.amplitude))
+        value = _over_seeds(dataset["effectiveness"])
+        variance = _over_seeds(dataset["effectiveness_standard_error"] ** 2) / _packings(dataset["effectiveness"])
+        if dataset.sizes["frequency"] > 1:
+            value, variance = (a.interp(frequency=frequency) for a in (value, variance))
+        else:
+            value, variance = (a.isel(frequency=0) for a in (value, variance))
+        per_effectiveness = 2 / np.pi * dataset["particle_mass"] * amplitude**2
+        zeta = xr.Dataset(
+            {
+                "damping_ratio": per_effectiveness * value,
+                "damping_ratio_standard_error": per_effectiveness * np.sqrt(variance),
+            }
+        ).assign_coords(mode=number)
+        for name in zeta.data_vars:
+            zeta[name].attrs.update(units="1", long_name=name.replace("_", " "))
+        return zeta.drop_vars("frequency", errors="ignore")
+
+    def plot(self) -> Figure:
+        """The picture that the dimensions ask for; see ``warpdamp.plot.draw``."""
+        from .plot import draw
+
+        return draw(self._dataset)
+
+
+def _packings(array: xr.DataArray):
+    return array.notnull().sum("seed") if "seed" in array.dims else 1
+
+
+def _over_seeds(array: xr.DataArray) -> xr.DataArray:
+    return array.mean("seed") if "seed" in array.dims else array

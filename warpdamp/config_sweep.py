@@ -1,0 +1,130 @@
+"""Models of the configuration: ranges, and which scalars a sweep varies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictFloat, StrictInt, StrictStr, model_validator
+
+Scalar = StrictBool | StrictInt | StrictFloat | StrictStr
+Quantity = StrictInt | StrictFloat | StrictStr
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
+
+
+class Range(_Model):
+    """``n`` values from one end to the other, evenly (``from``, ``to``) or in equal ratios (``log``)."""
+
+    from_: Quantity | None = Field(default=None, alias="from")
+    to: Quantity | None = None
+    log: tuple[Quantity, Quantity] | None = None
+    n: Annotated[StrictInt, Field(ge=2, le=1_000_000)]
+
+    @model_validator(mode="after")
+    def _one_kind(self):
+        if (self.log is None) == (self.from_ is None or self.to is None) or (
+            self.log and (self.from_, self.to) != (None, None)
+        ):
+            raise ValueError("give {from: a, to: b, n: 5} or {log: [a, b], n: 5}")
+        return self
+
+    @property
+    def ends(self) -> tuple:
+        """First and last, as written."""
+        return self.log or (self.from_, self.to)
+
+    def spread(self, read: Callable[[Any], float]) -> list:
+        """The values, once ``read`` has made numbers of the ends.
+
+        Raises
+        ------
+        ValueError
+            If the ends are no numbers, equal, or, for a logarithmic range, not positive.
+        """
+        first, last = map(read, self.ends)
+        if self.log is not None:
+            return spread(first, last, np.linspace(0, 1, self.n), logarithmic=True)
+        _check_ends(first, last)
+        return _alike(np.linspace(first, last, self.n), first, last)
+
+
+def spread(first, last, part, *, logarithmic: bool) -> list:
+    """Values at ``part`` (0 to 1) of the way between two ends; whole numbers where both ends are.
+
+    Raises
+    ------
+    ValueError
+        If the ends are no numbers, equal, or, for a logarithmic range, not positive.
+    """
+    _check_ends(first, last)
+    if logarithmic and min(first, last) <= 0:
+        raise ValueError("the ends of a logarithmic range must be positive")
+    part = np.asarray(part)
+    values = first * (last / first) ** part if logarithmic else first + (last - first) * part
+    return _alike(np.where(part == 0, first, np.where(part == 1, last, values)), first, last)
+
+
+def _check_ends(first, last) -> None:
+    if any(isinstance(end, bool) or not isinstance(end, int | float) for end in (first, last)):
+        raise ValueError("a range needs two numbers or quantities as its ends")
+    if first == last:
+        raise ValueError("the ends of a range must differ")
+
+
+def _alike(values, first, last) -> list:
+    """Whole numbers where both ends are."""
+    if isinstance(first, int) and isinstance(last, int):
+        return [round(v) for v in values.tolist()]
+    return values.tolist()
+
+
+Values = Annotated[list[Scalar], Field(min_length=1)] | Range
+
+
+class Span(_Model):
+    """Where samples lie, evenly in the logarithm."""
+
+    log: tuple[Quantity, Quantity]
+
+
+class SampleConfig(_Model):
+    """``n`` points spread over the ranges of several scalars."""
+
+    method: Literal["sobol", "latin_hypercube"] = "sobol"
+    n: Annotated[StrictInt, Field(ge=1, le=10_000_000)]
+    seed: Annotated[StrictInt, Field(ge=0)] = 0
+    over: Annotated[dict[str, tuple[Quantity, Quantity] | Span], Field(min_length=1)]
+
+
+class Between(_Model):
+    """Values from one to another, both included."""
+
+    from_: Quantity = Field(alias="from")
+    to: Quantity
+
+
+class SweepConfig(_Model):
+    """Scalars of the configuration, by their paths, that take several values.
+
+    ``product``: every combination.  ``zip``: groups of scalars that change together.  ``sample``: random points in
+    ranges.  ``csv``: a table, one scalar a column.  ``exclude``: combinations to leave out.
+    """
+
+    product: dict[str, Values] = {}
+    zip: list[Annotated[dict[str, Values], Field(min_length=1)]] = []
+    sample: SampleConfig | None = None
+    csv: str | None = None
+    exclude: list[Annotated[dict[str, Scalar | list[Scalar] | Between], Field(min_length=1)]] = []
+
+    def keys(self) -> list[str]:
+        """Paths of the scalars that it varies, as written; those of a table are not known before it is read."""
+        sampled = self.sample.over if self.sample else {}
+        return [*self.product, *(key for group in self.zip for key in group), *sampled]
+
+    def varies(self, *names: str) -> bool:
+        """Whether it varies a scalar whose path ends in one of some names."""
+        return any(key.rpartition(".")[2] in names for key in self.keys())

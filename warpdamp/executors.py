@@ -1,0 +1,188 @@
+"""Who does the work: this process, processes of this machine, a Dask cluster, or any executor of one's own.
+
+All are a ``concurrent.futures.Executor`` behind a ``Crew``, which knows how many calls it can take at a time, and how
+to go on when a worker has died or hangs.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context
+
+ANSWERS_WITHIN = 15.0
+"""Seconds that a Dask scheduler has to answer."""
+
+
+class Crew:
+    """An executor of one's own, with ``width`` calls at a time; what dies or hangs in it cannot be replaced."""
+
+    def __init__(self, executor: Executor, width: int):
+        self.executor, self.width = executor, width
+
+    def submit(self, call, *arguments) -> Future:
+        """Have a call made."""
+        return self.executor.submit(call, *arguments)
+
+    def revive(self, *, hanging: bool) -> bool:
+        """Make good after a death or, if ``hanging``, stop all that runs; whether calls in progress are lost."""
+        if hanging:
+            raise RuntimeError("a batch is over its limit of time, and this executor cannot be stopped from here")
+        return False
+
+    def stop(self) -> None:
+        """Give up what is not finished."""
+        self.executor.shutdown(wait=False, cancel_futures=True)
+
+
+class InProcess(Executor):
+    """Calls at once, in this process."""
+
+    def submit(self, call, /, *arguments, **options) -> Future:
+        """Make the call; the future returned is finished."""
+        future: Future = Future()
+        try:
+            future.set_result(call(*arguments, **options))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+class Processes(Crew):
+    """Fresh processes of this machine; those of a pool in which one died or hangs are replaced."""
+
+    def __init__(self, workers: int | None):
+        self.width = workers or os.cpu_count() or 1
+        self._start()
+
+    def _start(self) -> None:
+        # Warp does not promise that its runtime survives a fork
+        self.executor = ProcessPoolExecutor(self.width, mp_context=get_context("spawn"), initializer=_follow_parent)
+
+    def revive(self, *, hanging: bool) -> bool:
+        """A new pool; what was in progress in the old one is lost."""
+        self.stop()
+        self._start()
+        return True
+
+    def stop(self) -> None:
+        """Kill the processes."""
+        processes = list((getattr(self.executor, "_processes", None) or {}).values())
+        for process in processes:
+            process.kill()
+        self.executor.shutdown(wait=True, cancel_futures=True)
+
+
+class Cluster(Crew):
+    """The workers of a Dask cluster.  Dask itself sends the work of a dead worker to another."""
+
+    def __init__(self, client):
+        self._client = client
+        self.executor = client.get_executor(pure=False)
+
+    @property
+    def width(self) -> int:
+        """One call for each worker there is at the moment."""
+        return max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
+
+    def revive(self, *, hanging: bool) -> bool:
+        """Restart the workers if one hangs; after a death Dask has done what is needed."""
+        if hanging:
+            self._client.restart(wait_for_workers=False)
+        return hanging
+
+
+@contextmanager
+def crew(kind: str | Executor, workers: int | None) -> Iterator[Crew]:
+    """A crew, stopped in the end.
+
+    Parameters
+    ----------
+    kind : "processes", "in-process", "dask" (a cluster started here), the address of a Dask scheduler, or an Executor
+    workers : how many (default: the cores of this machine; of a scheduler, those it has; of an Executor, the same)
+
+    Raises
+    ------
+    ValueError
+        If there is no executor of this name.
+    OSError
+        If Dask is not installed, or does not answer.
+    """
+    with _main_hidden():
+        if isinstance(kind, Executor):
+            yield Crew(kind, workers or os.cpu_count() or 1)
+            return
+        if kind == "dask" or "://" in kind:
+            with _dask(kind, workers) as client:
+                yield Cluster(client)
+            return
+        if kind == "processes":
+            one = Processes(workers)
+        elif kind == "in-process":
+            one = Crew(InProcess(), 1)
+        else:
+            raise ValueError(
+                f"there is no executor '{kind}': choose from processes, in-process, dask, or the address of a Dask "
+                "scheduler, as tcp://host:8786"
+            )
+        try:
+            yield one
+        finally:
+            one.stop()
+
+
+@contextmanager
+def _dask(kind: str, workers: int | None):
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise OSError("Dask is not installed: pip install 'warpdamp[cluster]'") from None
+    if kind == "dask":
+        with (
+            LocalCluster(n_workers=workers or os.cpu_count(), threads_per_worker=1, dashboard_address=None) as cluster,
+            Client(cluster) as client,
+        ):
+            yield client
+        return
+    try:
+        client = Client(kind, timeout=ANSWERS_WITHIN)
+    except OSError as error:
+        raise OSError(f"no Dask scheduler answers at {kind}: {error}") from None
+    with client:
+        client.wait_for_workers(workers or 1, timeout=600)
+        yield client
+
+
+@contextmanager
+def _main_hidden():
+    """A fresh process imports the script that was started.
+
+    The workers do not need it, and a script that calls ``run`` at its top level would start itself again in every one
+    of them: so they are not told of it.
+    """
+    main = sys.modules["__main__"]
+    kept = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
+    try:
+        main.__spec__ = None
+        main.__dict__.pop("__file__", None)
+        yield
+    finally:
+        vars(main).update(kept)
+
+
+def _follow_parent() -> None:
+    """In a worker: Ctrl-C is the parent's business, and a worker whose parent was killed ends, too."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def watch():
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

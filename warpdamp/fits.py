@@ -1,0 +1,145 @@
+"""Fits through noisy points: maxima of smooth curves, and straight lines, with their uncertainties."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+DRAWS = 400
+FINE = 161
+
+
+@dataclass(frozen=True)
+class Maximum:
+    """A maximum of a fitted curve.
+
+    Parameters
+    ----------
+    gamma, gamma_standard_error : where, from draws of the fit's posterior
+    height, height_standard_error : of the curve there
+    certainty : part of the draws that have a maximum here
+    """
+
+    gamma: float
+    gamma_standard_error: float
+    height: float
+    height_standard_error: float
+    certainty: float
+
+
+def maxima(gamma, height, standard_error) -> list[Maximum]:
+    """Maxima of a smooth curve through noisy points, inside their range, with what is known of them.
+
+    A Gaussian process over sqrt(Gamma), along which damping curves have features of one width, with a squared
+    exponential kernel; its amplitude, width and further noise (the spread of seeds) are those of the largest marginal
+    likelihood (Rasmussen & Williams 2006, algorithm 2.1, ISBN 0-262-18253-X).  Points that are not finite are left out.
+
+    Parameters
+    ----------
+    gamma, height, standard_error : (n,) arrays; a Gamma may occur several times, as for several seeds
+    """
+    gamma, height, error = (np.asarray(a, float).ravel() for a in (gamma, height, standard_error))
+    known = np.isfinite(height) & np.isfinite(error)
+    if len(np.unique(gamma[known])) < 4:
+        return []
+    x, fine = np.sqrt(gamma[known]), np.linspace(*np.sqrt([gamma[known].min(), gamma[known].max()]), FINE)
+    mean, covariance = _posterior(x, height[known], error[known], fine)
+    rng = np.random.default_rng(0)  # the same answer each time
+    jitter = 1e-9 * np.trace(covariance) * np.eye(FINE)  # the curve has fewer degrees of freedom than points
+    draws = mean + rng.standard_normal((DRAWS, FINE)) @ np.linalg.cholesky(covariance + jitter).T
+    spread = np.sqrt(np.maximum(np.diag(covariance), 0))
+    return _maxima(fine**2, mean, spread, draws)
+
+
+def _posterior(x, y, error, fine):
+    """Mean and covariance of the Gaussian process at ``fine``."""
+    from scipy.linalg import cho_factor, cho_solve
+    from scipy.optimize import minimize
+
+    middle, scale = y.mean(), max(float(np.ptp(y)), 1e-12)
+    z, noise = (y - middle) / scale, (error / scale) ** 2
+
+    def kernel(a, b, amplitude, width):
+        return amplitude**2 * np.exp(-0.5 * ((a[:, None] - b[None, :]) / width) ** 2)
+
+    def factor(amplitude, width, further):
+        return cho_factor(kernel(x, x, amplitude, width) + np.diag(noise + further**2 + 1e-8), lower=True)
+
+    def unlikelihood(logs):
+        lower = factor(*np.exp(logs))
+        return 0.5 * z @ cho_solve(lower, z) + np.log(np.diag(lower[0])).sum()
+
+    span = float(np.ptp(x))
+    start = np.log([0.5, span / 5, 0.03])
+    bounds = [(np.log(0.05), np.log(5)), (np.log(span / 25), np.log(span)), (np.log(1e-3), np.log(0.5))]
+    amplitude, width, further = np.exp(minimize(unlikelihood, start, method="L-BFGS-B", bounds=bounds).x)
+    lower, across = factor(amplitude, width, further), kernel(fine, x, amplitude, width)
+    mean = across @ cho_solve(lower, z)
+    covariance = kernel(fine, fine, amplitude, width) - across @ cho_solve(lower, across.T)
+    return middle + scale * mean, scale**2 * covariance
+
+
+def _maxima(gamma, mean, spread, draws) -> list[Maximum]:
+    """Of the mean curve, those that stand out; how well they are known tell each draw's own in the same basin."""
+    from scipy.signal import find_peaks
+
+    tops, traits = find_peaks(mean, prominence=0)
+    kept = [k for k, prominence in zip(tops, traits["prominences"], strict=True) if prominence > spread[k]]
+    if not kept:
+        return []
+    basins = [0, *(a + int(np.argmin(mean[a:b])) for a, b in itertools.pairwise(kept)), len(mean) - 1]
+    found = []
+    for k, (first, last) in zip(kept, itertools.pairwise(basins), strict=True):
+        first, last = _around(k, first, last, mean, spread)
+        at = first + np.argmax(draws[:, first : last + 1], axis=1)
+        inside = (at > first) & (at < last)
+        where = gamma[at[inside]]
+        if inside.mean() < 0.5:
+            continue
+        heights = draws[np.flatnonzero(inside), at[inside]]
+        step = gamma[min(k + 1, len(gamma) - 1)] - gamma[k]  # the fine grid's own uncertainty
+        error = math.hypot(float(np.std(where)), step / math.sqrt(12))
+        found.append(Maximum(float(gamma[k]), error, float(mean[k]), float(np.std(heights)), float(inside.mean())))
+    return found
+
+
+def _around(k: int, first: int, last: int, mean, spread) -> tuple[int, int]:
+    """The part of a basin round its top that may, within three standard errors, be as high."""
+    low = mean[k] - mean > 3 * np.hypot(spread, spread[k])
+    below, above = np.flatnonzero(low[first:k]), np.flatnonzero(low[k : last + 1])
+    return (first + int(below[-1]) if len(below) else first), (k + int(above[0]) if len(above) else last)
+
+
+@dataclass(frozen=True)
+class Line:
+    """y = intercept + slope x, with standard errors, and chi^2 per degree of freedom."""
+
+    slope: float
+    slope_standard_error: float
+    intercept: float
+    intercept_standard_error: float
+    scatter: float
+
+
+def straight_line(x, y, error) -> Line:
+    """Weighted least squares; where points scatter more than their errors say, the line's errors grow with them.
+
+    Raises
+    ------
+    ValueError
+        If fewer than three points are finite.
+    """
+    x, y, error = (np.asarray(a, float).ravel() for a in (x, y, error))
+    known = np.isfinite(x) & np.isfinite(y) & np.isfinite(error)
+    if known.sum() < 3:
+        raise ValueError(f"a line with uncertainties needs three points, got {known.sum()}")
+    x, y, weight = x[known], y[known], 1 / error[known]
+    design = np.stack([np.ones_like(x), x], axis=1) * weight[:, None]
+    inverse = np.linalg.inv(design.T @ design)
+    intercept, slope = inverse @ design.T @ (y * weight)
+    scatter = float(np.sum(((y - intercept - slope * x) * weight) ** 2) / (len(x) - 2))
+    errors = np.sqrt(np.diag(inverse) * max(1.0, scatter))
+    return Line(float(slope), float(errors[1]), float(intercept), float(errors[0]), scatter)

@@ -1,0 +1,124 @@
+"""Pictures of sweeps: maps over frequency and Gamma, and scattered cases."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .optimum import collision_optimum, optimum
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+MOST_PANELS = 12
+
+Panel = dict[str, int]
+
+
+def panels(value: xr.DataArray, dims: list[str], most: int = MOST_PANELS) -> list[Panel]:
+    """Choices along some dimensions, evenly thinned where there are more than ``most``."""
+    sizes = [range(value.sizes[dim]) for dim in dims]
+    every = [dict(zip(dims, index, strict=True)) for index in itertools.product(*sizes)]
+    if len(every) <= most:
+        return every
+    return [every[k] for k in np.unique(np.linspace(0, len(every) - 1, most).round().astype(int))]
+
+
+def shown(value) -> str:
+    """A coordinate's value in a label."""
+    value = np.asarray(value)
+    return f"{float(value):.3g}" if value.dtype.kind in "iuf" else str(value)
+
+
+def named(value: xr.DataArray, panel: Panel) -> str:
+    """A choice in words."""
+    return ", ".join(f"{dim} {shown(value[dim].values[k])}" for dim, k in panel.items())
+
+
+def grid(n: int, *, width: float = 3.8, height: float = 3.1):
+    """A figure of ``n`` panels, and their axes."""
+    from matplotlib.figure import Figure
+
+    columns = min(n, 4)
+    rows = -(-n // columns)
+    figure = Figure(figsize=(width * columns + 0.6, height * rows + 0.5), layout="constrained", dpi=150)
+    axes = figure.subplots(rows, columns, squeeze=False).ravel()
+    for ax in axes[n:]:
+        ax.set_visible(False)
+    return figure, axes[:n]
+
+
+def phase_map(dataset: xr.Dataset) -> Figure:
+    """Effectiveness over frequency and Gamma, mean over seeds, one panel a combination of the other scalars.
+
+    Dashed: eq. 1 with the clearance measured.  Dotted: the same with gravity along the axis.  Points with error bars:
+    the optima found, of fluidisation (circles) and of two-sided collision (squares).
+    """
+    value = dataset["effectiveness"]
+    value = value.mean("seed") if "seed" in value.dims else value
+    chosen = panels(value, [dim for dim in value.dims if dim not in ("frequency", "gamma")])
+    found = optimum(dataset)
+    figure, axes = grid(len(chosen), width=5.4 if len(chosen) == 1 else 3.8, height=4.2 if len(chosen) == 1 else 3.1)
+    top = float(np.nanmax(value)) if np.isfinite(value).any() else 1.0
+    frequency = dataset["frequency"].values
+    for ax, panel in zip(axes, chosen, strict=True):
+        image = ax.pcolormesh(
+            frequency, dataset["gamma"], value.isel(panel).transpose("gamma", "frequency"), vmin=0, vmax=top,
+            cmap="viridis", shading="nearest",
+        )  # fmt: skip
+        _lines(ax, dataset, panel)
+        for name, marker in (("fluidisation", "o"), ("collision", "s")):
+            own = found.isel({dim: k for dim, k in panel.items() if dim in found.dims})
+            ax.errorbar(
+                frequency, own[f"gamma_{name}"], own[f"gamma_{name}_standard_error"], fmt=marker, ms=4, lw=0.8,
+                mfc="none", color="white", label=f"optimum of {name}",
+            )  # fmt: skip
+        ax.set_ylim(float(dataset["gamma"].min()), float(dataset["gamma"].max()))
+        ax.set_title(named(value, panel), fontsize=9)
+        ax.set_xlabel("excitation frequency [Hz]")
+    axes[0].set_ylabel("Γ [-]")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=7, loc="outside lower center", ncols=2, facecolor="0.4", labelcolor="white")
+    figure.colorbar(image, ax=list(axes), label="effectiveness [-]")
+    figure.suptitle(dataset.attrs.get("title", ""), fontsize=11)
+    return figure
+
+
+def _lines(ax, dataset, panel) -> None:
+    clearance = dataset["clearance"].isel({d: k for d, k in panel.items() if d in dataset["clearance"].dims})
+    clearance = float(clearance.mean()) if np.isfinite(clearance).any() else math.nan
+    if not math.isfinite(clearance):
+        return
+    frequency = np.linspace(float(dataset["frequency"].min()), float(dataset["frequency"].max()), 300)
+    zero, axial = collision_optimum(frequency, clearance, gravity=False), collision_optimum(frequency, clearance)
+    ax.plot(frequency, zero, "w--", lw=1, label=f"eq. 1, clearance {1e3 * clearance:.2f} mm")
+    ax.plot(frequency, axial, "w:", lw=1.2, label="the same under gravity")
+
+
+def scattered(dataset: xr.Dataset) -> Figure:
+    """Effectiveness of cases against each of the scalars that change together; colour: Gamma, where it is one."""
+    value = dataset["effectiveness"]
+    value = value.mean("seed") if "seed" in value.dims else value
+    names = [
+        name for name, c in dataset.coords.items() if c.dims == ("case",) and name != "case" and c.dtype.kind in "iuf"
+    ]
+    figure, axes = grid(max(1, len(names)))
+    for ax, name in zip(axes, names or ["case"], strict=True):
+        x, y, gamma = np.broadcast_arrays(*(a.values for a in _aligned(dataset[name], value, dataset["gamma"])))
+        points = ax.scatter(x.ravel(), y.ravel(), c=gamma.ravel(), s=12, cmap="viridis")
+        ax.set_xlabel(f"{dataset[name].attrs.get('long_name', name)} [{dataset[name].attrs.get('units', '-')}]")
+        ax.grid(alpha=0.3)
+    axes[0].set_ylabel("effectiveness [-]")
+    figure.colorbar(points, ax=list(axes), label="Γ [-]")
+    figure.suptitle(dataset.attrs.get("title", ""), fontsize=11)
+    return figure
+
+
+def _aligned(*arrays):
+    import xarray as xr
+
+    return xr.broadcast(*arrays)
