@@ -173,11 +173,16 @@ def _steps(made: Plan, numbers):
 
 def _cases(made: Plan, numbers):
     from .plan import EXCLUDED, REFUSED
+    from .rounds import called_for
+    from .store import Finished
 
     cases = made.cases
     amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
     preparation = f"{cases.config.preparation} " if "preparation" not in cases.names().values() else ""
     yield f"  {len(numbers)} cases{amplitudes}; {len(made.beds)} {preparation}beds"
+    if cases.config.accuracy is not None:
+        first = len(called_for(made, Finished()))
+        yield f"  of these {first} at first, and more packings of a point until it is within the tolerance"
     if cases.config.sweep:
         lengths = " x ".join(f"{n} {name}" for name, n in zip(cases.dims, cases.shape, strict=True) if n > 1)
         left_out = [
