@@ -234,7 +234,7 @@ def price_section() -> list[str]:
     return [
         "## What a tolerance saves",
         "",
-        "Written from scripts/price.py: the main job on every fifth amplitude, at `tolerance: 5 %`, and at the paper's "
+        "Written from scripts/price.py: the main job on every eighth amplitude (Gamma 2, 6 and 13), at `tolerance: 5 %`, and at the paper's "
         f"step of 2e-6 s with one fixed length, {int(price['fixed_cycles'])} cycles, with which every case has the "
         f"standard error that the tolerance gives it.  Core-seconds of the cases: {bought:.0f} against {paid:.0f}, "
         f"**{100 * bought / paid:.0f} %** (asked for: at most 25 %), for {int(price['tolerance_cases'])} cases against "
