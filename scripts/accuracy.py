@@ -218,8 +218,7 @@ def coverage_section() -> list[str]:
         "",
         "Written from scripts/coverage.py: each case runs as with a tolerance of 5 %; the reference is the mean of the "
         "same bed over eight times as many cycles afterwards, at least 300.  Share of steady cases whose 95 % interval "
-        "holds "
-        "the reference (asked for: 90-99 %), the interval's mean half-width, and the reference's own standard error.",
+        "holds the reference (asked for: 90-99 %), the interval's mean half-width, and the reference's own standard error.",
         "",
         *table(["cases", "drawn", "steady", "covered", "half-width", "reference"], rows),
         "",
@@ -234,7 +233,7 @@ def price_section() -> list[str]:
     return [
         "## What a tolerance saves",
         "",
-        "Written from scripts/price.py: the main job on every eighth amplitude (Gamma 2, 6 and 13), at `tolerance: 5 %`, and at the paper's "
+        "Written from scripts/price.py: the main job at Gamma 2, 6 and 13, at `tolerance: 5 %`, and at the paper's "
         f"step of 2e-6 s with one fixed length, {int(price['fixed_cycles'])} cycles, with which every case has the "
         f"standard error that the tolerance gives it.  Core-seconds of the cases: {bought:.0f} against {paid:.0f}, "
         f"**{100 * bought / paid:.0f} %** (asked for: at most 25 %), for {int(price['tolerance_cases'])} cases against "
