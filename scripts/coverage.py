@@ -23,7 +23,7 @@ from warpdamp.packing import Request, prepare
 from warpdamp.results import write
 from warpdamp.shaking import Criteria, Spec, shake
 from warpdamp.steady import standard_error
-from warpdamp.timestep import Numerics, steps_per_cycle
+from warpdamp.timestep import steps_per_cycle
 from warpdamp.tolerance import plan
 
 ROOT = Path(__file__).parents[1]
@@ -38,9 +38,7 @@ def bed(count: int, seed: int) -> Request:
     pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
     size = 0.04 * (count / 120 * FILLS[120] / FILLS[count]) ** (1 / 3)
     scene = Scene(pmma, pmma, surface, surface, Cylinder(size, size))
-    return Request(
-        scene, Grains.alike(RADIUS, count), seed, numerics=Numerics(steps_per_contact=_plan().steps_per_contact)
-    )
+    return Request(scene, Grains.alike(RADIUS, count), seed)
 
 
 def _plan():
