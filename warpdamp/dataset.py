@@ -151,10 +151,10 @@ def _modal(cases: Cases, dataset: xr.Dataset) -> xr.Dataset:
     )
     inherent = xr.DataArray(config.structure.inherent(), dims="mode", coords={"mode": modal["mode"]})
     energy, error = (to_mode(dataset[f"energy_dissipated{what}"]) for what in ("", "_standard_error"))
-    if "seed" not in energy.dims:  # each case has its own
-        energy, error = energy.expand_dims("seed"), error.expand_dims("seed")
-    modal["damping_ratio"] = per_joule * energy.mean("seed", skipna=False) + inherent
-    modal["damping_ratio_standard_error"] = per_joule * _combined_error(energy, error)
+    if "seed" in energy.dims:  # otherwise each case has its own
+        energy, error = energy.mean("seed", skipna=False), _combined_error(energy, error)
+    modal["damping_ratio"] = per_joule * energy + inherent
+    modal["damping_ratio_standard_error"] = per_joule * error
     return modal.drop_vars("frequency", errors="ignore")
 
 

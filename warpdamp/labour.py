@@ -56,14 +56,14 @@ class Labour:
         Raises
         ------
         ConfigError
-            If none of the beds can be made.
+            If none of the study's beds can be made.
         """
         self.report("kernels", 0.0)
         self._warm_up()
         self.report("kernels", 1.0)
         without = self._make_beds(partial(self.report, "beds"))
         bad = self.numbers[np.isin(self.plan.bed[self.numbers], list(without))]
-        if len(bad) == len(self.numbers):
+        if len(bad) == len(self.plan.to_run()):
             said, key = next(iter(without.values()))
             raise self.plan.cases.config.error(key, said)
         if len(bad):
