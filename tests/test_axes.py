@@ -1,6 +1,7 @@
 """Any scalar, by its path, is an axis; what is wrong with a sweep is said at its line."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -93,6 +94,17 @@ def test_zipped_groups_share_a_dimension(study):
     (axis,) = read_axes(config)[1]
     assert axis.name == "case"
     assert axis.rows == tuple((f, pytest.approx(d), h) for f, d in ((0.1, 920), (0.3, 1000)) for h in (0.02, 0.025))
+
+
+def test_the_readmes_example_is_valid(tmp_path):
+    root = Path(__file__).parents[1]
+    example = re.search(r"```yaml\n(sweep:.*?)```", (root / "README.md").read_text(), re.DOTALL)[1]
+    (tmp_path / "points.csv").write_text("rolling_friction\n0.01\n")
+    base = (root / "configs" / "beam.yaml").read_text()
+    (tmp_path / "study.yaml").write_text(base + example)
+    cases = Cases(load(tmp_path / "study.yaml"))
+    assert cases.dims == ("frequency", "gamma", "friction", "count", "preparation", "case", "seed")
+    assert cases.shape[2:-1] == (3, 3, 2, 2 * 64)
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin_hypercube"])

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,7 @@ import xarray as xr
 
 import warpdamp
 from warpdamp import StoreError, batches, carry_out, collect, executors, foreman
-from warpdamp.executors import crew
+from warpdamp.executors import Crew, crew
 from warpdamp.foreman import Batch, Lost, work
 from warpdamp.status import status
 from warpdamp.steady import Status
@@ -223,6 +223,8 @@ def test_a_case_that_fails_is_a_value(tiny, tmp_path):
     assert "too many particles" in full["message"].values.ravel()[0]
     assert (dataset.sel(count=8)["status"] < Status.FAILED).all()
     assert "30 failed" in "\n".join(status(tmp_path / "store"))
+    again = warpdamp.run(path, store=tmp_path / "store", executor="in-process")  # tries them again, and no more
+    same(again, dataset)
     warpdamp.results.write(dataset, tmp_path / "study.nc")
     with xr.open_dataset(tmp_path / "study.nc") as back:
         same(back.load(), dataset)
@@ -272,6 +274,14 @@ def test_workers_that_hang_or_die_are_replaced(monkeypatch):
 def test_an_executor_of_ones_own(tiny, undisturbed):
     with ThreadPoolExecutor(2) as own:
         same(warpdamp.run(tiny, executor=own, workers=2), undisturbed)
+
+
+def test_an_executor_of_ones_own_that_breaks():
+    """Nothing can be done about it, and that is said instead of trying for ever."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as own:
+        crew_of_it = Crew(own, 1)
+        with pytest.raises(OSError, match=r"a worker died, and an executor of one.s own is not repaired"):
+            list(work(iter([Batch(["die"], 60)]), crew_of_it, lambda batch: (nap, batch.parts), lambda busy: None))
 
 
 def test_the_same_by_processes_and_dask(tiny, undisturbed):

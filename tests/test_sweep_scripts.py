@@ -1,5 +1,6 @@
 """What is shipped for sweeps, shortened: configurations, scripts, and the commands."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -109,6 +110,35 @@ def test_everything_sampled_has_one_dimension(tmp_path):
         dataset["effectiveness"], dataset["energy_dissipated"] / (4 * speed**2 * dataset["particle_mass"]), rtol=1e-12
     )
     assert len(set(dataset["seed"].values.tolist())) == 4
+
+
+def test_modal_damping_of_swept_and_sampled_dampers(tmp_path, config_path):
+    """The identity zeta = (2 / pi) eps m phi^2 with the modes of each structure and mass of particles."""
+    text = config_path.read_text()
+    for old, new in (
+        ("diameter: 40 mm", "diameter: 24 mm"), ("height: 40 mm", "height: 20 mm"), ("count: 120", "count: 8"),
+        ("3.3 GPa", "33 MPa"), ("compacted ", "loose "), ("[1, 3, 5]", "[1]"), ("seeds: [1, 2, 3]", "seeds: [1]"),
+        ("fewest_cycles: 30", "fewest_cycles: 12"), ("most_cycles: 1000", "most_cycles: 12"),
+    ):  # fmt: skip
+        assert old in text
+        text = text.replace(old, new)
+    text = re.sub(r"gamma: \[.*\]", "gamma: 3", text)
+    (tmp_path / "product.yaml").write_text(
+        text + "\nsweep: {product: {structure.point_mass.mass: [0.2, 0.3], particles.count: [6, 8], gamma: [2, 3]}}\n"
+    )
+    swept = warpdamp.run(tmp_path / "product.yaml", executor="in-process")
+    assert swept["damping_ratio"].dims == ("mode", "gamma", "mass", "count")
+    assert (swept["natural_frequency"].sel(mass=0.3) < swept["natural_frequency"].sel(mass=0.2)).all()
+    (tmp_path / "sampled.yaml").write_text(text + "\nsweep: {sample: {n: 2, over: {gamma: [2, 5], seed: [1, 50]}}}\n")
+    sampled = warpdamp.run(tmp_path / "sampled.yaml", executor="in-process")
+    assert sampled["damping_ratio"].dims == ("mode", "case")
+    for dataset in (swept, sampled):
+        eps = dataset["effectiveness"].rename(frequency="mode").drop_vars("mode", errors="ignore")
+        eps = eps.mean("seed") if "seed" in eps.dims else eps
+        expected = 2 / np.pi * eps * dataset["particle_mass"] * dataset["mode_amplitude"] ** 2
+        # modes' frequencies are rounded to a microhertz for the drive
+        expected = expected.transpose(*dataset["damping_ratio"].dims)
+        np.testing.assert_allclose(dataset["damping_ratio"], expected, rtol=1e-6)
 
 
 @pytest.mark.parametrize("text", ["0/3", "4/3", "3", "a/b"])

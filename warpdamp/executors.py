@@ -31,9 +31,18 @@ class Crew:
         return self.executor.submit(call, *arguments)
 
     def revive(self, *, hanging: bool) -> bool:
-        """Make good after a death or, if ``hanging``, stop all that runs; whether calls in progress are lost."""
-        if hanging:
-            raise RuntimeError("a batch is over its limit of time, and this executor cannot be stopped from here")
+        """Make good after a death or, if ``hanging``, stop all that runs; whether calls in progress are lost.
+
+        Raises
+        ------
+        OSError
+            If that cannot be done from here.
+        """
+        if hanging or getattr(self.executor, "_broken", False):
+            what = "a batch is over its limit of time" if hanging else "a worker died"
+            raise OSError(
+                f"{what}, and an executor of one's own is not repaired from here: what is finished is kept: start again"
+            )
         return False
 
     def stop(self) -> None:

@@ -11,7 +11,9 @@ import numpy as np
 
 from .batches import Work, batches, limit, make_bed, shake_and_keep
 from .foreman import Batch, Lost, work
+from .rounds import called_for
 from .steady import Status
+from .store import Finished
 
 if TYPE_CHECKING:
     from .executors import Crew
@@ -54,14 +56,14 @@ class Labour:
         Raises
         ------
         ConfigError
-            If none of their beds can be made, and no other case of the study is finished.
+            If none of the study's beds can be made.
         """
         self.report("kernels", 0.0)
         self._warm_up(numbers)
         self.report("kernels", 1.0)
         without = self._make_beds(numbers, partial(self.report, "beds"))
         bad = numbers[np.isin(self.plan.bed[numbers], list(without))]
-        if len(bad) == len(numbers) and not np.isin(self.plan.keys, self.store.finished()).any():
+        if len(bad) == len(called_for(self.plan, Finished())):
             said, key = next(iter(without.values()))
             raise self.plan.cases.config.error(key, said)
         if len(bad):
