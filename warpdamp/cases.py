@@ -80,6 +80,7 @@ class Cases:
         self._points: OrderedDict[tuple, Point] = OrderedDict()
         self._modes: dict[str, Modes] = {}
         self._beds: dict = {}
+        self.shape: tuple[int, ...] = ()
         self._refuse_what_the_tolerance_chooses()
         self.shape = (self._frequencies(), len(self.gammas), *(len(axis) for axis in self.axes), len(self.seeds))
 
@@ -145,6 +146,8 @@ class Cases:
         if single.excitation.frequency != "modes":
             return Point(index, single, None, tuple(as_list(single.excitation.frequency)))
         own = self._own_modes(single)
+        if self.shape and len(own.number) != self.shape[0]:
+            return Point(index, None, refused="the structure has other modes here: name them in structure.modes")
         # to a microhertz: an eigensolver's last bits depend on the machine, and beds are chaotic
         return Point(index, single, own, tuple(round(float(f), 6) for f in own.frequency))
 

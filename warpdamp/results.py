@@ -105,6 +105,13 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
     return dataset
 
 
+def ran(dataset: xr.Dataset) -> xr.DataArray:
+    """Which cases were run: of the packings of a point those that a tolerance called for."""
+    import xarray as xr
+
+    return dataset["status"] != NOT_RUN if "status" in dataset else xr.ones_like(dataset["seed"], bool)
+
+
 def provenance() -> dict:
     """Global attributes: who made this, with what, when."""
     import numpy

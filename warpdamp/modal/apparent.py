@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..results import describe
+from ..results import describe, ran
 from . import ModalError
 from .damping import damping_ratio, strain_energy
 
@@ -36,9 +36,11 @@ def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
     acceleration = (2 * np.pi * dataset["excitation_frequency"]) ** 2 * dataset["displacement"]
     quadrature = dataset["harmonic_work"] / (np.pi * acceleration * dataset["displacement"])
     found = dataset[["apparent_mass"]].assign(quadrature_mass=quadrature)
-    mean = found.mean("seed", skipna=False)
-    n = dataset.sizes["seed"]
-    error = found.std("seed", ddof=1, skipna=False) / np.sqrt(n) if n > 1 else np.nan * mean
+    there = ran(dataset)
+    n = there.sum("seed")
+    mean = found.where(there, 0.0).sum("seed", skipna=False) / n
+    squares = ((found - mean) ** 2).where(there, 0.0).sum("seed", skipna=False)
+    error = np.sqrt(squares / (n * (n - 1)).where(n > 1))
     for name in ("apparent_mass", "quadrature_mass"):
         mean[f"{name}_standard_error"] = error[name]
     return describe(mean)

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..results import ran
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -106,9 +108,11 @@ def _share(dataset: xr.Dataset, modes: Modes, reference: Modes, gamma: np.ndarra
     ratio = np.abs(phi / xr.DataArray(reference.amplitude, dims="mode"))
     per_joule = damping_ratio(1.0, dataset["displacement"], 1.0, dataset["frequency"])
     energy, error = dataset["energy_dissipated"], dataset["energy_dissipated_standard_error"]
+    there = ran(dataset)
+    n = there.sum("seed")
     curves = (
-        per_joule * energy.mean("seed", skipna=False),
-        per_joule * np.sqrt((error**2).sum("seed", skipna=False)) / energy.sizes["seed"],
+        per_joule * energy.where(there, 0.0).sum("seed", skipna=False) / n,
+        per_joule * np.sqrt((error**2).where(there, 0.0).sum("seed", skipna=False)) / n,
     )
 
     def at_own_gamma(curve, part):
