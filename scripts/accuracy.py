@@ -111,8 +111,9 @@ def step_section(runs, errors) -> list[str]:
         "",
         f"All six points together are off by {100 * pooled:+.2f} ± {100 * chance_of_it:.2f} % at N = 10, which is "
         f"{100 * pooled * (10 / 24) ** 2:+.2f} % at N = 24, and {pooled / left:.1f} times the residual.  Point by "
-        f"point chance is larger than that: bounds of {min(ratios):.1f} to {max(ratios):.1f} times the residual.  A study "
-        f"takes {RESIDUAL_FACTOR:g} times the residual as a case's step error, and {100 * STEP_ERROR:g} % at 24 steps "
+        f"point chance is larger than that: bounds of {min(ratios):.1f} to {max(ratios):.1f} times the residual.  A "
+        f"study takes {RESIDUAL_FACTOR:g} times the residual as a case's step error, and {100 * STEP_ERROR:g} % at 24 "
+        "steps "
         "when it chooses the step beforehand.",
         "",
     ]
