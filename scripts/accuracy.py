@@ -113,7 +113,8 @@ def step_section(runs, errors) -> list[str]:
         f"{100 * pooled * (10 / 24) ** 2:+.2f} % at N = 24, and {pooled / left:.1f} times the residual.  Point by "
         f"point chance is larger than that: bounds of {min(ratios):.1f} to {max(ratios):.1f} times the residual.  A "
         f"study takes {RESIDUAL_FACTOR:g} times the residual as a case's step error, and {100 * STEP_ERROR:g} % at 24 "
-        "steps when it chooses the step beforehand.",
+        "steps "
+        "when it chooses the step beforehand.",
         "",
     ]
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from warpdamp import Request, Scene, State, prepare
+from warpdamp import Grains, Request, Scene, State, prepare
 from warpdamp.ledger import maximum_energy
 
 from .damper import COUNT, DT, RADIUS, STEPS_PER_CYCLE, damper, one_core, shake
@@ -176,5 +176,5 @@ def compare(rounds: int = 5) -> dict[str, list[float]]:
 
 def resting_bed(seed: int) -> State:
     """A loose bed of the paper's damper, settled, without memory."""
-    bed = prepare(Request(damper(gamma=0), (RADIUS,) * COUNT, seed, "loose"))
+    bed = prepare(Request(damper(gamma=0), Grains.alike(RADIUS, COUNT), seed, "loose"))
     return State.at_rest(bed.state.position, RADIUS)
