@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .axes import settled
 from .cases import Cases
 from .config import Config, load
 from .dataset import assemble
@@ -21,6 +20,7 @@ from .scene import STANDARD_GRAVITY
 from .steady import Status
 from .store import Finished, Store
 from .sweep import as_list
+from .sweep_reader import settled
 
 if TYPE_CHECKING:
     import xarray as xr
