@@ -210,8 +210,9 @@ def million(measured: dict, each: float) -> list[str]:
     per_case = measured["of it advancing cases [s]"] / n
     collect = 1e6 / n * measured["collecting [s]"]
     return [
-        f"- Planning: {1e3 * each:.2f} ms a case, {1e6 * each / 60:.0f} minutes, once a start of the runner (and of "
-        "each array part: give each part a thousand cases or more). Its arrays take 69 bytes a case.",
+        f"- Planning: {1e3 * each:.2f} ms a case, {1e6 * each / 60:.0f} minutes, once: runs that go on and array parts "
+        "that start later read the plan that is kept. Where each case has a bed of its own, planning takes longer. "
+        "Its arrays take 69 bytes a case.",
         f"- Cases such as these: {per_case:.3f} s of one core each, {1e6 * per_case / 3600:.0f} core hours; on 200 "
         f"cores {1e6 * per_case / 3600 / 200:.1f} hours.",
         f"- Shards: {1e6 / n * measured['shards']:.0f}, {1e6 / n * measured['shards [MB]']:.0f} MB; "

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from warpdamp import ConfigError, load
-from warpdamp.axes import read_axes, settled
 from warpdamp.cases import Cases
 from warpdamp.plan import EXCLUDED, REFUSED, plan
+from warpdamp.sweep_reader import read_axes, settled
 
 BASE = """
 damper:

@@ -6,9 +6,9 @@ import re
 import pytest
 
 from warpdamp import ConfigError, load
-from warpdamp.axes import read_axes
 from warpdamp.cases import Cases
 from warpdamp.config import Config
+from warpdamp.sweep_reader import read_axes
 from warpdamp.units import to_si
 
 

@@ -110,7 +110,8 @@ def test_killed_twice_and_resumed(tiny, undisturbed, tmp_path):
 
 
 def test_stopped_by_hand_it_says_how_to_go_on(tiny, tmp_path):
-    process = start(tiny, tmp_path)
+    # a shell without job control lets its background jobs, and so these tests, ignore SIGINT
+    process = start(tiny, tmp_path, limits=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     until(lambda: shards(tmp_path / "tiny") > 2, process)
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=30)
@@ -258,12 +259,15 @@ def nap(items):
     return [item.upper() for item in items]
 
 
+LIMIT = 8.0  # seconds, in which a process must start on a busy machine
+
+
 def test_workers_that_hang_or_die_are_replaced(monkeypatch):
     monkeypatch.setattr(foreman, "TICK", 0.05)
     every = [["a", "hang"], ["b", "die"], ["c"], ["d"]]
     with crew("processes", 2) as own:
         answers = list(
-            work((Batch(items, 1.5) for items in every), own, lambda batch: (nap, batch.parts), lambda busy: None)
+            work((Batch(items, LIMIT) for items in every), own, lambda batch: (nap, batch.parts), lambda busy: None)
         )
     good = sorted(letter for _, answer in answers if not isinstance(answer, Lost) for letter in answer)
     assert good == ["A", "B", "C", "D"]

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import ValidationError
 
-from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, coordinate_names, dotted, leaves, put, read_axes, tree, tree_copy
+from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, coordinate_names, dotted, leaves, put, tree, tree_copy
 from .config import Config
 from .excluded import Exclusions
 from .sweep import as_list, drive, grains, particle_mass, scene
+from .sweep_reader import read_axes
 
 if TYPE_CHECKING:
     from .modal.modes import Modes

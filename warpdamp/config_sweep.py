@@ -121,7 +121,7 @@ class SweepConfig(_Model):
     exclude: list[Annotated[dict[str, Scalar | list[Scalar] | Between], Field(min_length=1)]] = []
 
     def keys(self) -> list[str]:
-        """Paths of the scalars that it varies, as written; those of a table are not known before it is read."""
+        """Paths of the scalars that it varies, as written; those of a table beside it are not among them."""
         sampled = self.sample.over if self.sample else {}
         return [*self.product, *(key for group in self.zip for key in group), *sampled]
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from .axes import FREQUENCY, GAMMA, SEED, Path, Reader, get, tree
+from .axes import FREQUENCY, GAMMA, SEED, Path, get, tree
 from .config_sweep import Between
+from .sweep_reader import Reader
 
 if TYPE_CHECKING:
     from .cases import Point

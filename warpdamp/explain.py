@@ -123,9 +123,10 @@ def explain(config: Config, *, workers: int | None = None) -> str:
     """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled."""
     from .cases import Cases
     from .plan import plan
+    from .sweep_reader import settled
     from .tolerance import applied
 
-    config = applied(config)
+    config = applied(settled(config))
     made = plan(Cases(config))
     numbers = made.to_run()
     sets: dict[Effects, list[int]] = {}

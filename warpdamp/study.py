@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .axes import settled
 from .cases import Cases
 from .config import Config, load
 from .dataset import assemble
@@ -22,6 +21,7 @@ from .scene import STANDARD_GRAVITY
 from .steady import FIRST_UNFINISHED, Status
 from .store import Finished, Store
 from .sweep import as_list
+from .sweep_reader import settled
 from .tolerance import applied
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ def carry_out(
         raise ValueError(f"workers must be at least 1, got {workers}")
     if not isinstance(config, Config):
         config = load(config)
-    config = settled(applied(shortened(config) if quick else config))
+    config = applied(settled(shortened(config) if quick else config))
     kept = Store(store)
     with kept.claim(part):
         report("modes", 0.0)
