@@ -134,10 +134,11 @@ def _one_line_errors():
     """What a user can mend comes as one line and exit status 2; anything else is a bug and keeps its traceback."""
     from .config import ConfigError
     from .guards import SimulationError
+    from .modal.extra import MissingLibrary
 
     try:
         yield
-    except (ConfigError, SimulationError, OSError) as error:
+    except (ConfigError, SimulationError, MissingLibrary, OSError) as error:
         print(error if isinstance(error, ConfigError) else f"warpdamp: {error}", file=sys.stderr)
         raise typer.Exit(2) from None
 
