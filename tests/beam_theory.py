@@ -64,17 +64,16 @@ class Timoshenko:
         place = np.concatenate([np.linspace(a, b, stations) for a, b in self._pieces()])
         return omega / (2 * math.pi), place, np.array(lines)
 
-    def _rates(self, omega):
+    def _carry(self, omega, length):
+        """(..., 4, 4) matrices that carry the state along a length."""
         a, i = self.section.area, self.section.second_moment
         rho, e, g = self.material.density, self.material.youngs_modulus, self.material.shear_modulus
-        return np.array(
-            [
-                [0, 1, 0, 1 / (self.section.shear * g * a)],
-                [0, 0, 1 / (e * i), 0],
-                [0, -rho * i * omega**2, 0, -1],
-                [-rho * a * omega**2, 0, 0, 0],
-            ]
-        )
+        rates = np.zeros((*np.shape(omega), 4, 4))
+        rates[..., 0, 1], rates[..., 0, 3] = 1, 1 / (self.section.shear * g * a)
+        rates[..., 1, 2] = 1 / (e * i)
+        rates[..., 2, 1], rates[..., 2, 3] = -rho * i * omega**2, -1
+        rates[..., 3, 0] = -rho * a * omega**2
+        return expm(rates * length)
 
     def _pieces(self):
         return list(itertools.pairwise(sorted({0.0, *(position for _, position, _ in self.masses), self.length})))
@@ -87,32 +86,32 @@ class Timoshenko:
     def _jump(self, omega, place):
         """What the masses at a place do to shear force and moment."""
         mass, inertia = self._at(place)
-        matrix = np.eye(4)
-        matrix[3, 0], matrix[2, 1] = -mass * omega**2, -inertia * omega**2
+        matrix = np.zeros((*np.shape(omega), 4, 4)) + np.eye(4)
+        matrix[..., 3, 0], matrix[..., 2, 1] = -mass * omega**2, -inertia * omega**2
         return matrix
 
     def _ends(self, omega):
-        """The (2, 2) matrix from what the first end leaves free to what the last one holds: singular in a mode."""
+        """(..., 2, 2) from what the first end leaves free to what the last one holds: singular in a mode."""
         through = self._jump(omega, 0.0)
         for start, end in self._pieces():
-            through = self._jump(omega, end) @ expm(self._rates(omega) * (end - start)) @ through
+            through = self._jump(omega, end) @ self._carry(omega, end - start) @ through
         held = [k for k in range(4) if k not in FREE[self.supports[1]]]
-        return through[np.ix_(held, FREE[self.supports[0]])]
+        return through[..., held, :][..., FREE[self.supports[0]]]
 
     def _roots(self, count):
-        """Angular frequencies, bracketed in steps of a fiftieth of the dimensionless wave number."""
+        """Angular frequencies, bracketed in steps of a tenth of the dimensionless wave number: a mode adds about pi."""
         a, i = self.section.area, self.section.second_moment
         scale = math.sqrt(self.material.youngs_modulus * i / (self.material.density * a)) / self.length**2
-        grid = scale * (0.02 * np.arange(15, 2000)) ** 2
-        roots, low = [], np.linalg.det(self._ends(grid[0]))
-        for start, end in itertools.pairwise(grid):
-            high = np.linalg.det(self._ends(end))
-            if low * high < 0:
-                roots.append(brentq(lambda w: np.linalg.det(self._ends(w)), start, end, xtol=1e-9 * end))
-            low = high
-            if len(roots) == count:
-                break
-        return np.array(roots)
+        grid = scale * (0.1 * np.arange(3, 32 * (count + 3))) ** 2
+        sign = np.sign(np.linalg.det(self._ends(grid)))
+        found = np.flatnonzero(sign[1:] * sign[:-1] < 0)[:count]
+        assert len(found) == count
+        return np.array(
+            [
+                brentq(lambda w: np.linalg.det(self._ends(np.float64(w))), *grid[k : k + 2], xtol=1e-9 * grid[k])
+                for k in found
+            ]
+        )
 
     def _shape(self, omega, stations):
         """Deflections where int rho A w^2 + rho I psi^2 dx + sum (m w^2 + J psi^2) = 1."""
@@ -122,7 +121,7 @@ class Timoshenko:
         total, lines = self._at(0.0) @ state[:2] ** 2, []
         state = self._jump(omega, 0.0) @ state
         for start, end in self._pieces():
-            step = expm(self._rates(omega) * (end - start) / (stations - 1))
+            step = self._carry(omega, (end - start) / (stations - 1))
             states = [state]
             for _ in range(stations - 1):
                 states.append(step @ states[-1])

@@ -62,6 +62,24 @@ def test_modes(config_path):
     assert "40.8" in done.stdout
 
 
+def test_modes_can_be_drawn_and_written(tmp_path):
+    config = Path(__file__).parents[1] / "configs" / "cantilever.yaml"
+    for name, head in (("modes.png", b"\x89PNG"), ("modes.csv", b"mode,frequency_Hz"), ("modes.uff", b"    -1")):
+        done = warpdamp("modes", config, "-o", tmp_path / name)
+        assert done.returncode == 0, done.stderr
+        assert "54.73" in done.stdout
+        assert (tmp_path / name).read_bytes().startswith(head)
+    done = warpdamp("modes", config, "-o", tmp_path / "modes.txt")
+    assert done.returncode == 2
+    assert "name a file that ends in .png" in done.stderr
+
+
+def test_known_modes_are_shown_as_the_particles_make_them():
+    done = warpdamp("modes", Path(__file__).parents[1] / "configs" / "modes_given.yaml")
+    assert done.stdout.count("of particles") == 1
+    assert "39.40" in done.stdout
+
+
 def test_schema():
     done = warpdamp("schema")
     assert json.loads(done.stdout)["title"] == "Config"

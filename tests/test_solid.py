@@ -4,30 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
-from scipy.special import j1
+from plate_theory import LEISSA, SIDE, STEEL, THICKNESS, UNIT, loaded_pinned_plate
 
-from warpdamp import Material
 from warpdamp.modal.beam import Beam, PointMass, beam_modes
 from warpdamp.modal.section import Rectangle
 from warpdamp.modal.solid import Clamp, MeshedSolid, Plate, StandingMass, plate_modes, solid_modes
-
-STEEL = Material(density=7800, youngs_modulus=210e9, poissons_ratio=0.3)
-SIDE, THICKNESS = 0.4, 0.004
-STIFFNESS = 210e9 * THICKNESS**3 / 12 / (1 - 0.3**2)
-UNIT = math.sqrt(STIFFNESS / (7800 * THICKNESS)) / SIDE**2 / (2 * math.pi)
-"""f = lambda UNIT [Hz], lambda = w a^2 sqrt(rho h / D) of a square plate."""
-LEISSA = {
-    ("clamped",) * 4: [35.992, 73.413, 73.413, 108.27, 131.64],
-    ("pinned",) * 4: [19.739, 49.348, 49.348, 78.957, 98.696],
-    ("clamped", "free", "free", "free"): [3.4917, 8.5246, 21.429, 27.331, 31.111],
-    ("free",) * 4: [13.489, 19.789, 24.432, 35.024, 35.024],
-}
-"""Leissa 1973, J. Sound Vib. 31, 257, doi:10.1016/S0022-460X(73)80371-2: nu = 0.3, thin plates.
-
-His are upper bounds by Ritz's method with nine beam functions a direction: exact for pinned edges, 0.02 % high for
-clamped ones, up to 1.1 % high where edges are free.
-"""
 
 
 @pytest.mark.parametrize("edges", LEISSA, ids="-".join)
@@ -44,27 +25,11 @@ def test_square_plates_agree_with_leissa(edges):
     assert np.all(off > (-1.2e-2 if "free" in edges else -5e-3))
 
 
-def loaded_pinned_plate(mass, x, y, footprint, terms=60):
-    """First mode of the pinned square plate with a mass on a round patch, by Kirchhoff's modes summed.
-
-    phi_mn sin sin averaged over a disc of radius r is 2 J1(k r) / (k r) of its value at the middle.
-    """
-    m, n = np.meshgrid(np.arange(1, terms), np.arange(1, terms))
-    k = math.pi / SIDE * np.sqrt(m**2 + n**2)
-    phi = 2 / math.sqrt(7800 * THICKNESS * SIDE**2) * np.sin(m * math.pi * x / SIDE) * np.sin(n * math.pi * y / SIDE)
-    phi = phi * 2 * j1(k * footprint / 2) / (k * footprint / 2)
-    squares = k**4 * STIFFNESS / (7800 * THICKNESS)
-    lowest = math.sqrt(squares.min())
-    w = brentq(lambda w: 1 - mass * np.sum(w**2 * phi**2 / (squares - w**2)), 0.1 * lowest, 0.999999 * lowest)
-    q = mass * w**2 * phi / (squares - w**2)
-    return w / (2 * math.pi), 1 / math.sqrt(np.sum(q**2) + mass)
-
-
 @pytest.mark.parametrize(("mass", "x", "y"), [(2.5, 0.2, 0.2), (5.0, 0.1, 0.16)])
 def test_a_plate_with_a_mass_on_it(mass, x, y):
     """Half to all of the plate's own mass (5 kg), at the middle and elsewhere: f and phi to 0.2 %."""
     modes = plate_modes(
-        Plate(SIDE, SIDE, THICKNESS, STEEL, ("pinned",) * 4), StandingMass(mass, (x, y), 0.04), highest=1
+        Plate(SIDE, SIDE, THICKNESS, STEEL, ("pinned",) * 4), StandingMass(mass, (x, y), 0.04), highest=1, elements=4
     )
     f, phi = loaded_pinned_plate(mass, x, y, 0.04)
     assert modes.frequency[0] == pytest.approx(f, rel=2e-3)

@@ -336,10 +336,11 @@ def _one_line_errors():
     from .config import ConfigError
     from .guards import SimulationError
     from .modal import ModalError
+    from .modal.extra import MissingLibrary
 
     try:
         yield
-    except (ConfigError, SimulationError, ModalError, OSError) as error:
+    except (ConfigError, SimulationError, ModalError, MissingLibrary, OSError) as error:
         print(error if isinstance(error, ConfigError) else f"warpdamp: {error}", file=sys.stderr)
         raise typer.Exit(2) from None
 

@@ -1,11 +1,12 @@
 """A straight beam in three-dimensional finite elements, with point masses: its bending modes.
 
-The section's mesh is swept along the beam, graded towards the supports and the masses: clamps hold back Poisson's
-contraction in a boundary layer, and masses bend the beam sharply.
+The section's mesh is swept along the beam, in lengths graded towards the supports and the masses: clamps hold back
+Poisson's contraction in a boundary layer, and masses bend the beam sharply.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -76,15 +77,19 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
     """
     axis = BENDS[beam.bends]
     section = beam.section.basis()
+    parts = 4 if beam.section.quarter else 1
     masses = (damper, *beam.masses)
     solid, station = _supported(beam, section, masses)
     mean_of, tilt_of = _read_outs(section, len(station), axis)
+    if beam.section.quarter:
+        solid = _bending_only(solid, axis)
+        mean_of = [mean if along == axis else 0 * mean for along, mean in enumerate(mean_of)]
 
     load, inertia = np.zeros(len(station)), np.zeros(len(station))
     for mass in masses:
         row = np.argmin(np.abs(station - mass.position))
-        load[row] += mass.mass
-        inertia[row] += mass.rotary_inertia
+        load[row] += mass.mass / parts
+        inertia[row] += mass.rotary_inertia / parts
     attached = sum(mean.T @ diags(load) @ mean for mean in mean_of) + tilt_of.T @ diags(inertia) @ tilt_of
 
     share = np.diff(np.concatenate([[0.0], (station[1:] + station[:-1]) / 2, [beam.length]]))
@@ -96,15 +101,26 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
         found = np.flatnonzero(np.sum(seen**2, axis=0) > 0.5)[:highest]
         return (squares[found], vectors[:, found]) if len(found) == highest else None
 
-    squares, vectors = elastic_modes(solid, attached, select, count=3 * highest + 3)
+    squares, vectors = elastic_modes(solid, attached, select, count=(1 if parts == 4 else 3) * highest + 4)
     modes = Modes(
         number=np.arange(1, highest + 1),
         frequency=np.sqrt(squares) / (2 * np.pi),
         point=np.stack([station, 0 * station, 0 * station], axis=1),
-        shape=np.stack([(mean @ vectors).T for mean in mean_of], axis=2),
+        shape=np.stack([(mean @ vectors).T for mean in mean_of], axis=2) / math.sqrt(parts),
         inherent_damping=np.zeros(highest),
     )
     return modes.at((damper.position, 0, 0), np.eye(3)[axis])
+
+
+def _bending_only(solid: Solid, axis: int) -> Solid:
+    """A quarter of a beam that bends along ``axis``, as the other three quarters hold it.
+
+    Bending is symmetric about the plane in which it happens, and antisymmetric about the neutral plane.
+    """
+    side = ({1, 2} - {axis}).pop()
+    near = 1e-9 * np.ptp(solid.place)
+    solid = solid.hold(np.abs(solid.place[side]) < near, (side,))
+    return solid.hold(np.abs(solid.place[axis]) < near, (0, side))
 
 
 def _supported(beam: Beam, section, masses) -> tuple[Solid, np.ndarray]:

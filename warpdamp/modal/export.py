@@ -18,7 +18,7 @@ def export(modes: Modes, path: Path, *, title: str = "") -> None:
     ------
     OSError
         If the suffix is none of these, or the file cannot be written.
-    ModuleNotFoundError
+    MissingLibrary
         If a universal file is wanted and pyuff is not installed.
     """
     suffix = path.suffix.lower()

@@ -5,13 +5,17 @@ from __future__ import annotations
 import importlib.util
 
 
+class MissingLibrary(ModuleNotFoundError):
+    """A library of an extra is not installed; says how to install it."""
+
+
 def needs(module: str, what: str) -> None:
     """Ask for a module of the ``modes`` extra.
 
     Raises
     ------
-    ModuleNotFoundError
+    MissingLibrary
         With the line that installs it.
     """
     if importlib.util.find_spec(module) is None:
-        raise ModuleNotFoundError(f"{what} need {module}: pip install 'warpdamp[modes]'", name=module)
+        raise MissingLibrary(f"{what} need {module}: pip install 'warpdamp[modes]'", name=module)

@@ -1,10 +1,14 @@
-"""Cross-sections of a beam: width along y, thickness along z, the centroid at the origin."""
+"""Cross-sections of a beam: width along y, thickness along z, the centroid at the origin.
+
+Those of a closed form are symmetric about both axes and give the quarter y, z > 0 of themselves, in which only bending
+one way is left.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -18,12 +22,13 @@ class Rectangle:
 
     width: float
     thickness: float
+    quarter: ClassVar[bool] = True
 
     def basis(self) -> Basis:
-        """Quadratic elements, four across the width and two across the thickness."""
+        """Quadratic elements on the quarter, two across the width and one across the thickness."""
         from skfem import Basis, ElementQuad2, MeshQuad
 
-        across, through = np.linspace(-0.5, 0.5, 5) * self.width, np.linspace(-0.5, 0.5, 3) * self.thickness
+        across, through = np.linspace(0, 0.5, 3) * self.width, np.linspace(0, 0.5, 2) * self.thickness
         return Basis(MeshQuad.init_tensor(across, through), ElementQuad2(), intorder=4)
 
 
@@ -32,13 +37,19 @@ class Circle:
     """A solid round section of some diameter [m]."""
 
     diameter: float
+    quarter: ClassVar[bool] = True
 
     def basis(self) -> Basis:
-        """Quadratic triangles with curved sides, sixteen of them."""
-        from skfem import ElementTriP2, MeshTri2
+        """Four quadratic triangles on the quarter, their outer sides curved."""
+        from skfem import ElementTriP2, MeshTri, MeshTri2
 
-        mesh = MeshTri2.init_circle(1).scaled(self.diameter / 2)
-        return _with_area(mesh, ElementTriP2(), np.pi / 4 * self.diameter**2)
+        disc = MeshTri.init_circle(1)
+        straight = MeshTri2.from_mesh(disc.restrict(disc.elements_satisfying(lambda x: np.all(x > 0, axis=0))))
+        outer = straight.facets_satisfying(lambda x: np.linalg.norm(x, axis=0) > 0.9)
+        outer = straight.dofs.get_facet_dofs(outer).flatten()
+        place = self.diameter / 2 * straight.doflocs
+        place[:, outer] *= self.diameter / 2 / np.linalg.norm(place[:, outer], axis=0)
+        return _with_area(replace(straight, doflocs=place), ElementTriP2(), np.pi / 16 * self.diameter**2)
 
 
 @dataclass(frozen=True)
@@ -47,28 +58,17 @@ class Tube:
 
     diameter: float
     wall: float
+    quarter: ClassVar[bool] = True
 
-    def basis(self, around: int = 12) -> Basis:
-        """Quadratic quadrilaterals with curved sides, ``around`` of them, one through the wall."""
-        from dataclasses import replace
-
+    def basis(self) -> Basis:
+        """Three quadratic quadrilaterals on the quarter, with curved sides, one through the wall."""
         from skfem import ElementQuad2, MeshQuad, MeshQuad2
 
         outer, inner = self.diameter / 2, self.diameter / 2 - self.wall
-        angle = 2 * np.pi * np.arange(around) / around
-        corners = np.concatenate([r * np.array([np.cos(angle), np.sin(angle)]) for r in (inner, outer)], axis=1)
-        k = np.arange(around)
-        following = (k + 1) % around
-        straight = MeshQuad2.from_mesh(MeshQuad(corners, np.array([k, around + k, around + following, following])))
-        curved = replace(straight, doflocs=_rounded(straight.doflocs, around))
-        return _with_area(curved, ElementQuad2(), np.pi * (outer**2 - inner**2))
-
-
-def _rounded(place, around: int) -> np.ndarray:
-    """Points of a regular polygon's rings, moved outwards onto the circles through its corners."""
-    sector = 2 * np.pi / around
-    from_middle = np.arctan2(place[1], place[0]) % sector - sector / 2
-    return place * np.cos(from_middle) / np.cos(sector / 2)
+        flat = MeshQuad2.from_mesh(MeshQuad.init_tensor(np.array([inner, outer]), np.linspace(0, np.pi / 2, 4)))
+        radius, angle = flat.doflocs
+        curved = replace(flat, doflocs=radius * np.array([np.cos(angle), np.sin(angle)]))
+        return _with_area(curved, ElementQuad2(), np.pi / 4 * (outer**2 - inner**2))
 
 
 def _with_area(mesh: Mesh, element, area: float) -> Basis:
@@ -93,6 +93,7 @@ class MeshedSection:
 
     file: Path
     unit: float = 1.0
+    quarter: ClassVar[bool] = False
 
     def basis(self) -> Basis:
         """Quadratic elements on the mesh, moved so that its centroid is the origin.
@@ -127,7 +128,7 @@ Section = Rectangle | Circle | Tube | MeshedSection
 
 @dataclass(frozen=True)
 class Moments:
-    """Of a section: area [m^2], centroid (2,) [m], int y^2, int z^2 and int y z about the origin [m^4]."""
+    """Of a section or a part of it: area [m^2], centroid (2,) [m]; int y^2, int z^2, int y z about the origin [m^4]."""
 
     area: float
     centroid: np.ndarray
