@@ -35,6 +35,7 @@ import functools
 
 import warp as wp
 
+from .bounds import bounds
 from .data import types
 
 
@@ -44,6 +45,7 @@ def contact_law(effects):
     t = types(effects)
     real, vec3, Losses = t.real, t.vec3, t.Losses
     Law, Motion, History = t.Law, t.Motion, t.History
+    at_least, at_most = bounds(real).at_least, bounds(real).at_most
 
     @wp.func
     def carried_along(stretch: vec3, normal: vec3, tilted: vec3, turned: real):
@@ -58,7 +60,7 @@ def contact_law(effects):
         Returns the new stretch, the energy slid off and the energy given up.
         """
         # without the limit: the force is kept on loading, the stretch on unloading
-        kept = wp.min(old_a / a, real(1.0))
+        kept = at_most(old_a / a, real(1.0))
         gain = real(0.5) * (real(1.0) + kept)
         stretch = carried_along(kept * old - gain * moved, normal, motion.tilted, motion.turned)
 
@@ -71,7 +73,7 @@ def contact_law(effects):
             slid_off = (real(1.0) - share) / gain * stretch
             stretch *= share
             new2 *= share * share
-            slip = wp.max(real(0.5) * wp.dot(old_stiffness * old + stiffness * stretch, slid_off), real(0.0))
+            slip = at_least(real(0.5) * wp.dot(old_stiffness * old + stiffness * stretch, slid_off), real(0.0))
 
         old2 = wp.dot(old, old)
         softened = old_stiffness - stiffness
@@ -91,9 +93,9 @@ def contact_law(effects):
         if wp.dot(total, total) > limit2:  # |spring + share viscous| = limit
             along = wp.dot(spring_force, viscous)
             viscous2 = wp.dot(viscous, viscous)
-            room = wp.max(limit2 - wp.dot(spring_force, spring_force), real(0.0))
-            share = wp.max(wp.sqrt(along * along + viscous2 * room) - along, real(0.0)) / viscous2
-        return wp.min(share, real(1.0))
+            room = at_least(limit2 - wp.dot(spring_force, spring_force), real(0.0))
+            share = at_least(wp.sqrt(along * along + viscous2 * room) - along, real(0.0)) / viscous2
+        return at_most(share, real(1.0))
 
     @wp.func
     def resistance(
@@ -181,7 +183,7 @@ def contact_law(effects):
         if wp.static(effects.dashpots):
             root = wp.sqrt(mass * a)
             approach = -wp.dot(motion.velocity, normal)
-            dashpot = wp.max(law.normal_damping * root * approach, -normal_force)  # no tension
+            dashpot = at_least(law.normal_damping * root * approach, -normal_force)  # no tension
             normal_force += dashpot
             lost = dashpot * approach * h
 

@@ -9,6 +9,7 @@ import functools
 
 import warp as wp
 
+from .bounds import bounds
 from .contact import contact_law
 from .data import types
 from .grains import grains
@@ -26,6 +27,7 @@ def wall_contacts(effects):
     contact, parted, elastic_energy, remembered_energy = contact_law(effects)
     g = grains(effects)
     radius_of, inverse_mass_of, law_of = g.radius_of, g.inverse_mass_of, g.wall_law
+    wall_curvature, at_least = g.wall_curvature, bounds(real).at_least
 
     @wp.func
     def side_gap(case: Case, x: vec3, radius: real):
@@ -117,7 +119,7 @@ def wall_contacts(effects):
             if wp.static(effects.rotation):
                 p[i].torque += arm * wp.cross(f, normal) + radius * wp.cross(normal, rolling)
             remember(c, 3 * i + wall, history)
-            depth = -gap / radius
+            depth = -gap * wall_curvature(case, p, i)
         elif wp.static(effects.history):
             if c.wall_radius[3 * i + wall] > real(0.0):
                 lost = parted(law_of(case, p, c, i), wall_history(c, 3 * i + wall))
@@ -142,19 +144,19 @@ def wall_contacts(effects):
                 f, lost, depth = wall_force(case, p, c, i, SIDE, gap, normal, h, since)
                 reaction -= f
                 losses += lost
-                largest = wp.max(largest, depth)
+                largest = at_least(largest, depth)
             if wp.static(effects.floor):
                 up = vec3(real(0.0), real(0.0), real(1.0))
                 f, lost, depth = wall_force(case, p, c, i, FLOOR, x[2] - radius, up, h, since)
                 reaction -= f
                 losses += lost
-                largest = wp.max(largest, depth)
+                largest = at_least(largest, depth)
             if wp.static(effects.lid):
                 down = vec3(real(0.0), real(0.0), real(-1.0))
                 f, lost, depth = wall_force(case, p, c, i, LID, case.height - x[2] - radius, down, h, since)
                 reaction -= f
                 losses += lost
-                largest = wp.max(largest, depth)
+                largest = at_least(largest, depth)
         return reaction, losses, largest
 
     @wp.func

@@ -24,9 +24,13 @@ STORES = (
 UNIQUE = {
     "module": "unique",
     "enable_backward": False,
-    "module_options": {"cpu_compiler_flags": f"{wp.config.cpu_compiler_flags} -ffp-contract=fast"},
+    "module_options": {
+        "cpu_compiler_flags": f"{wp.config.cpu_compiler_flags} "
+        "-ffp-contract=fast -freciprocal-math -fno-signed-zeros -mreassociate"
+    },
 }
-"""How every kernel is compiled: on its own, without an adjoint, with fused multiply-adds (a tenth of the time)."""
+"""How every kernel is compiled: on its own, without an adjoint, free to fuse, to reorder and to use reciprocals (a seventh
+of the time), but not to forget about NaN."""
 
 OK = 0
 NOT_FINITE = 1
@@ -121,6 +125,7 @@ def structs(effects):
             acceleration: real  # amplitude of the drive [m/s^2]
         if not effects.sizes:
             grain_radius: real  # of every particle [m]
+            grain_curvature: real  # one over it
         if effects.alike:
             inverse_mass: real  # of every particle [1/kg]
             inverse_inertia: real

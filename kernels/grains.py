@@ -48,6 +48,22 @@ def grains(effects):
             return real(0.5) * case.grain_radius
 
     @wp.func
+    def curvature(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
+        """1 / R* of a pair [1/m]."""
+        if wp.static(effects.sizes):
+            return (p[i].radius + p[j].radius) / (p[i].radius * p[j].radius)
+        else:
+            return real(2.0) * case.grain_curvature
+
+    @wp.func
+    def wall_curvature(case: Case, p: wp.array(dtype=Particle), i: int):
+        """1 / R* of a particle and a wall [1/m]."""
+        if wp.static(effects.sizes):
+            return real(1.0) / p[i].radius
+        else:
+            return case.grain_curvature
+
+    @wp.func
     def reduced_mass(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
         """m* of a pair [kg]."""
         if wp.static(effects.alike):
@@ -84,6 +100,8 @@ def grains(effects):
         inverse_mass_of=inverse_mass_of,
         inverse_inertia_of=inverse_inertia_of,
         reduced_radius=reduced_radius,
+        curvature=curvature,
+        wall_curvature=wall_curvature,
         reduced_mass=reduced_mass,
         lever_arm=lever_arm,
         pair_law=pair_law,

@@ -4,6 +4,7 @@ import functools
 
 import warp as wp
 
+from .bounds import bounds
 from .data import types
 from .grains import grains
 
@@ -14,6 +15,7 @@ def motion(effects):
     t = types(effects)
     real, vec3 = t.real, t.vec3
     Case, Particle = t.Case, t.Particle
+    at_least = bounds(real).at_least
     g = grains(effects)
     inverse_mass_of, inverse_inertia_of = g.inverse_mass_of, g.inverse_inertia_of
 
@@ -84,7 +86,7 @@ def motion(effects):
 
             mean_velocity += after
             moved = x - p[i].listed - drift
-            travel2 = wp.max(travel2, wp.dot(moved, moved))
+            travel2 = at_least(wp.dot(moved, moved), travel2)
         work = wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
         return work, travel2, mean_velocity / real(case.count)
 

@@ -4,6 +4,7 @@ import functools
 
 import warp as wp
 
+from .bounds import bounds
 from .contact import contact_law
 from .data import types
 from .grains import grains
@@ -19,7 +20,8 @@ def pair_contacts(effects):
     contact, parted, elastic_energy, remembered_energy = contact_law(effects)
     g = grains(effects)
     radius_of, reduced_radius, reduced_mass = g.radius_of, g.reduced_radius, g.reduced_mass
-    lever_arm, pair_law = g.lever_arm, g.pair_law
+    lever_arm, pair_law, curvature = g.lever_arm, g.pair_law, g.curvature
+    at_least = bounds(real).at_least
 
     @wp.func
     def pair_motion(
@@ -120,7 +122,7 @@ def pair_contacts(effects):
                         p[j].torque += (distance - arm) * moment - resisting
                     remember(c, k, history)
                     losses += lost
-                    largest = wp.max(largest, (reach - distance) / radius)
+                    largest = at_least(largest, (reach - distance) * curvature(case, p, i, j))
                 elif wp.static(effects.history):
                     if c.pair_radius[k] > real(0.0):
                         losses += parted(pair_law(case, p, c, i, j), pair_history(c, k))

@@ -151,6 +151,7 @@ class Batch:
             "acceleration": drive.acceleration if drive else 0.0,
             **mounts.add(scene.mount, case.dt, self._max_records),
             "grain_radius": radius,
+            "grain_curvature": 1 / radius,
             "inverse_mass": 1 / mass,
             "inverse_inertia": 2.5 / (mass * radius**2),
         }

@@ -74,9 +74,9 @@ def jammed_bed() -> tuple[Scene, State]:
     return scene, batch.read()[0][0]
 
 
-def frozen(every: list[Effects], *, rounds: int = 9, steps: int = 4000) -> dict[Effects, list[float]]:
+def frozen(every: list[Effects], *, bed=None, rounds: int = 9, steps: int = 4000) -> dict[Effects, list[float]]:
     """Nanoseconds of processor time per particle-step on one frozen set of contacts, the effects in turn."""
-    scene, state = jammed_bed()
+    scene, state = bed or jammed_bed()
     batches = [Batch([Case(scene.driven(None), state, STILL)], effects=effects) for effects in every]
     return _alternating(every, batches, rounds, steps)
 
