@@ -29,8 +29,8 @@ UNIQUE = {
         "-ffp-contract=fast -freciprocal-math -fno-signed-zeros -mreassociate"
     },
 }
-"""How every kernel is compiled: on its own, without an adjoint, free to fuse, to reorder and to use reciprocals (a seventh
-of the time), but not to forget about NaN."""
+"""How every kernel is compiled: on its own, without an adjoint, free to fuse, to reorder and to use reciprocals (a
+seventh of the time), but not to forget about NaN."""
 
 OK = 0
 NOT_FINITE = 1
