@@ -8,6 +8,7 @@ import math
 from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -81,14 +82,17 @@ class Cases:
         self._points: OrderedDict[tuple, Point] = OrderedDict()
         self._modes: dict[str, Modes] = {}
         self._beds: dict = {}
-        self.shape: tuple[int, ...] = ()
         self._refuse_what_the_tolerance_chooses()
-        self.shape = (self._frequencies(), len(self.gammas), *(len(axis) for axis in self.axes), len(self.seeds))
 
     def _refuse_what_the_tolerance_chooses(self) -> None:
         chosen = [path for axis in self.axes for path in axis.paths if path in CHOSEN or path[0] == "accuracy"]
         if self.config.accuracy is not None and chosen:
             raise self.config.error(("sweep",), f"{dotted(chosen[0])} is chosen by accuracy.tolerance for all cases")
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """How many values each dimension has; found when first asked for, since files of modes may have to be read."""
+        return self._frequencies(), len(self.gammas), *(len(axis) for axis in self.axes), len(self.seeds)
 
     def _frequencies(self) -> int:
         """How many: one where ``case`` carries it; the number of modes may be known to their source only."""
@@ -147,7 +151,7 @@ class Cases:
         if single.excitation.frequency != "modes":
             return Point(index, single, None, tuple(as_list(single.excitation.frequency)))
         own = self._own_modes(single)
-        if self.shape and len(own.number) != self.shape[0]:
+        if "shape" in vars(self) and len(own.number) != self.shape[0]:
             return Point(index, None, refused="the structure has other modes here: name them in structure.modes")
         # to a microhertz: an eigensolver's last bits depend on the machine, and beds are chaotic
         return Point(index, single, own, tuple(round(float(f), 6) for f in own.frequency))
