@@ -57,6 +57,12 @@ def beam_section():
                     worst[nu] = max(worst.get(nu, 0.0), np.abs(off).max())
                     cells.append(" ".join(f"{x:+.2f}" for x in off))
                 lines.append(f"| {name} | {'-'.join(supports)} | {load_name} | {' | '.join(cells)} |")
+    rod = [
+        beam_modes(Beam(LENGTH, Circle(0.04), steel(nu)), PointMass(0.0, 0.2), highest=MODES).frequency
+        / Timoshenko(LENGTH, circle(0.04, nu), steel(nu), SUPPORTS[0]).modes(MODES)[0]
+        for nu in (0.3, 0.0)
+    ]
+    stubby = (", nu = 0: ").join(" ".join(f"{x:+.2f}" for x in 100 * (off - 1)) for off in rod)
     limits = f"Largest difference {worst[0.3]:.2f} % with nu = 0.3 (limit 0.5 %), {worst[0.0]:.3f} % with nu = 0."
     return (
         "Steel beams of 580 mm against Timoshenko's theory, solved exactly (`tests/beam_theory.py`); `two` is 0.2 kg "
@@ -66,6 +72,8 @@ def beam_section():
         limits,
         "",
         *lines,
+        "",
+        f"What a clamp adds grows with depth over length: a clamped rod of 40 mm is off by {stubby} %.",
     )
 
 

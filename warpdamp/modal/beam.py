@@ -74,6 +74,11 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
     damper : PointMass
         Where the damper sits, and the mass of it.
     highest : number of the highest mode wanted
+
+    Raises
+    ------
+    ValueError
+        If a mass lies beyond the ends of the beam.
     """
     axis = BENDS[beam.bends]
     section = beam.section.basis()
@@ -85,11 +90,7 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
         solid = _bending_only(solid, axis)
         mean_of = [mean if along == axis else 0 * mean for along, mean in enumerate(mean_of)]
 
-    load, inertia = np.zeros(len(station)), np.zeros(len(station))
-    for mass in masses:
-        row = np.argmin(np.abs(station - mass.position))
-        load[row] += mass.mass / parts
-        inertia[row] += mass.rotary_inertia / parts
+    load, inertia = (of / parts for of in _at_stations(masses, station))
     attached = sum(mean.T @ diags(load) @ mean for mean in mean_of) + tilt_of.T @ diags(inertia) @ tilt_of
 
     share = np.diff(np.concatenate([[0.0], (station[1:] + station[:-1]) / 2, [beam.length]]))
@@ -110,6 +111,16 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
         inherent_damping=np.zeros(highest),
     )
     return modes.at((damper.position, 0, 0), np.eye(3)[axis])
+
+
+def _at_stations(masses, station) -> tuple[np.ndarray, np.ndarray]:
+    """Mass [kg] and rotary inertia [kg m^2] at every station."""
+    load, inertia = np.zeros(len(station)), np.zeros(len(station))
+    for mass in masses:
+        row = np.argmin(np.abs(station - mass.position))
+        load[row] += mass.mass
+        inertia[row] += mass.rotary_inertia
+    return load, inertia
 
 
 def _bending_only(solid: Solid, axis: int) -> Solid:
