@@ -60,7 +60,7 @@ def contact_law(effects):
         Returns the new stretch, the energy slid off and the energy given up.
         """
         # without the limit: the force is kept on loading, the stretch on unloading
-        kept = at_most(old_a / a, real(1.0))
+        kept = wp.where(old_a < a, old_a / a, real(1.0))
         gain = real(0.5) * (real(1.0) + kept)
         stretch = carried_along(kept * old - gain * moved, normal, motion.tilted, motion.turned)
 
@@ -79,7 +79,7 @@ def contact_law(effects):
         softened = old_stiffness - stiffness
         unloading = real(0.25) * softened * (old2 + new2)
         loading = real(-0.5) * softened / (stiffness + old_stiffness) * (stiffness * new2 + old_stiffness * old2)
-        return stretch, slip, wp.where(softened > real(0.0), unloading, loading)
+        return stretch, slip, wp.where(softened >= real(0.0), unloading, loading)
 
     @wp.func
     def damped(spring_force: vec3, viscous: vec3, limit: real):
@@ -89,10 +89,10 @@ def contact_law(effects):
         """
         total = spring_force + viscous
         limit2 = limit * limit
+        viscous2 = wp.dot(viscous, viscous)
         share = real(1.0)
-        if wp.dot(total, total) > limit2:  # |spring + share viscous| = limit
+        if wp.dot(total, total) > limit2 and viscous2 > real(0.0):  # |spring + share viscous| = limit
             along = wp.dot(spring_force, viscous)
-            viscous2 = wp.dot(viscous, viscous)
             room = at_least(limit2 - wp.dot(spring_force, spring_force), real(0.0))
             share = at_least(wp.sqrt(along * along + viscous2 * room) - along, real(0.0)) / viscous2
         return at_most(share, real(1.0))
