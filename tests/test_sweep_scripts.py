@@ -52,7 +52,7 @@ def test_the_frequency_map_of_a_small_damper(tmp_path):
     python("-m", "warpdamp", "collect", tmp_path, cwd=tmp_path)
     with xr.open_dataset(tmp_path / "map.nc") as part:
         assert 0 < int((part["status"] == Status.NOT_RUN).sum()) < 48
-        assert part["status"].attrs["flag_meanings"].endswith("not_run")
+        assert "not_run" in part["status"].attrs["flag_meanings"].split()
     script = ROOT / "scripts" / "frequency_map.py"
     said = python(
         script,
