@@ -272,8 +272,8 @@ def document() -> None:
         *averaging_section(runs),
         *budget_section(runs),
         *cheapest_section(runs, errors),
-        *coverage_section(),
-        *price_section(),
+        *(coverage_section() if (DOCS / "coverage.nc").exists() else []),
+        *(price_section() if (DOCS / "price.nc").exists() else []),
     ]
     (DOCS / "accuracy.md").write_text("\n".join(lines))
 
