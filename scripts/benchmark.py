@@ -10,6 +10,7 @@ Ratios to other codes are taken round by round in one run; times of one machine 
 """
 
 import argparse
+import os
 import statistics
 import sys
 import time
@@ -47,6 +48,9 @@ class Metric:
         """Whether a value keeps a limit."""
         return value >= limit if self.sense == ">=" else value <= limit
 
+
+BUSY = 0.5
+"""Load from which wall times are not to be trusted."""
 
 SPEED, COST, CASE = "10⁶ particle-steps/s", "ns", "us"
 METRICS = (
@@ -160,6 +164,8 @@ def main() -> int:
     except ValueError as error:
         parser.error(str(error))
     machine = document.machine()
+    if (load := os.getloadavg()[0]) > BUSY:
+        print(f"load {load:.1f}: times by the wall (two_cores, commands, warm_start) are too long", file=sys.stderr)
     samples = measure(groups)
     lines, missed = verdicts({name: statistics.median(values) for name, values in samples.items()})
     print("\n".join(lines))

@@ -49,17 +49,13 @@ def contacts(state) -> float:
 
 @contextmanager
 def one_core():
-    """Keep this process, and those that it starts, to one core and one thread."""
-    allowed, threads = os.sched_getaffinity(0), os.environ.get("OMP_NUM_THREADS")
+    """Keep this process, and those that it starts, to one core."""
+    allowed = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {max(allowed)})
-    os.environ["OMP_NUM_THREADS"] = "1"
     try:
         yield
     finally:
         os.sched_setaffinity(0, allowed)
-        del os.environ["OMP_NUM_THREADS"]
-        if threads is not None:
-            os.environ["OMP_NUM_THREADS"] = threads
 
 
 def in_fresh_process(function, *arguments):

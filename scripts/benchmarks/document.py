@@ -32,8 +32,9 @@ beds: all are Hertz-Mindlin with Coulomb friction; warpdamp's contacts never pul
 that; the peers' may pull at the end of a contact; LIGGGHTS' tangential dashpot rests while a contact slides; YADE's
 cylinder has 64 flat sides and moves through the laboratory.
 
-The costs in one cavity are of the first 500 steps from rest of a settled bed at the paper's fill, the cavity
-growing with the bed.
+The costs in one cavity are of the first 500 steps from rest of a settled bed at the paper's fill, the cavity growing
+with the bed; one search for neighbours is among warpdamp's, as often as a shaken bed needs it. A sweep is timed from
+the submission of its first case to the end of its last; its workers have started before, for its beds.
 """
 
 

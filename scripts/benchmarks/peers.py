@@ -127,9 +127,8 @@ def run_peer(peer: Peer, scene: Scene, state: State, steps: int, every: int = 1)
         folder = Path(name)
         write_scene(folder, scene, state, steps, every)
         *options, deck = peer.command[1:]
-        done = subprocess.run(
-            [peer.program, *options, DECKS / deck], cwd=folder, capture_output=True, text=True, check=False
-        )
+        command, environment = [peer.program, *options, DECKS / deck], os.environ | {"OMP_NUM_THREADS": "1"}
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
         if done.returncode or not (folder / "cpu.txt").exists():
             said = "\n".join((done.stdout + done.stderr).strip().splitlines()[-8:])
             raise RuntimeError(f"{peer.name} ended with status {done.returncode} on {DECKS / deck}:\n{said}")
