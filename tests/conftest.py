@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from warpdamp import Cylinder, Drive, Material, Scene, State, Surface
 
@@ -69,3 +70,27 @@ def two_spheres():
         return state
 
     return make
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Writes a study's YAML to a file; returns its path."""
+
+    def written(text):
+        path = tmp_path / "study.yaml"
+        path.write_text(text)
+        return path
+
+    return written
+
+
+@pytest.fixture(scope="session")
+def same():
+    """Asserts that two results are alike bit for bit, but for the time spent."""
+
+    def compare(one, other):
+        assert set(one.variables) == set(other.variables)
+        for name in set(one.variables) - {"cpu_time"}:
+            xr.testing.assert_identical(one[name], other[name])
+
+    return compare

@@ -108,9 +108,7 @@ SAME = [
 
 @pytest.mark.parametrize(("name", "change", "more"), SAME, ids=[name for name, _, _ in SAME])
 def test_an_effect_at_zero_moves_nothing(make_scene, loose_positions, name, change, more):
-    gravity = change.pop("gravity", (0, 0, -G))
-    scene = make_scene(**change, enclosure=Cylinder(0.04, 0.04), gravity=gravity, drive=Drive(46.0, 6 * G))
-    change["gravity"] = gravity
+    scene = make_scene(**{"gravity": (0, 0, -G)} | change, enclosure=Cylinder(0.04, 0.04), drive=Drive(46.0, 6 * G))
     state = State.at_rest(loose_positions(1), RADIUS)
     own = called_for(scene, state)
     other = dataclasses.replace(own, **more)

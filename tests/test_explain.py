@@ -32,16 +32,6 @@ steady_state: {fewest_cycles: 12, most_cycles: 12}
 """
 
 
-@pytest.fixture
-def write(tmp_path):
-    def written(text):
-        path = tmp_path / "study.yaml"
-        path.write_text(text)
-        return path
-
-    return written
-
-
 def shown(config):
     spec, _ = Cases(config).spec(0)
     return {row.name: row for row in effects_of(config, spec)}

@@ -35,13 +35,6 @@ def undisturbed(study):
     return warpdamp.run(study, executor="in-process")
 
 
-def same(one: xr.Dataset, other: xr.Dataset) -> None:
-    """Bit for bit, but for the time spent."""
-    assert set(one.variables) == set(other.variables)
-    for name in set(one.variables) - {"cpu_time"}:
-        xr.testing.assert_identical(one[name], other[name])
-
-
 @pytest.mark.parametrize(
     ("energies", "packings"),
     [
@@ -69,7 +62,7 @@ def test_points_get_what_they_need(undisturbed):
     xr.testing.assert_allclose(undisturbed["energy_mean"], ran.mean("seed").rename("energy_mean"))
 
 
-def test_an_interrupted_study_ends_with_the_same_packings(study, undisturbed, tmp_path, monkeypatch):
+def test_an_interrupted_study_ends_with_the_same_packings(study, undisturbed, tmp_path, monkeypatch, same):
     monkeypatch.setattr(warpdamp.batches, "BATCH_COST", 1.0)
     warpdamp.run(study, store=tmp_path, executor="in-process")
     kept = sorted((tmp_path / "shards").glob("*.nc"))
@@ -80,7 +73,7 @@ def test_an_interrupted_study_ends_with_the_same_packings(study, undisturbed, tm
     same(collect(tmp_path), undisturbed)
 
 
-def test_parts_end_with_the_same_packings(study, undisturbed, tmp_path):
+def test_parts_end_with_the_same_packings(study, undisturbed, tmp_path, same):
     for k in (1, 2, 3):
         carry_out(study, tmp_path, part=(k, 3), executor="in-process")
     same(collect(tmp_path), undisturbed)

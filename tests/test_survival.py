@@ -35,14 +35,6 @@ preparation: loose
 steady_state: {fewest_cycles: 12, most_cycles: 12}
 """
 CASES = 30
-PHYSICAL = ("cpu_time",)  # all but these
-
-
-def same(one: xr.Dataset, other: xr.Dataset) -> None:
-    """Bit for bit."""
-    assert set(one.variables) == set(other.variables)
-    for name in set(one.variables) - set(PHYSICAL):
-        xr.testing.assert_identical(one[name], other[name])
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +80,7 @@ def until(condition, process, seconds=90):
         time.sleep(0.01)
 
 
-def test_killed_twice_and_resumed(tiny, undisturbed, tmp_path):
+def test_killed_twice_and_resumed(tiny, undisturbed, tmp_path, same):
     """kill -9 of the runner: its workers end, too, and what was done is kept."""
     rng = random.Random(1)
     store, done = tmp_path / "tiny", 0
@@ -124,7 +116,7 @@ def test_stopped_by_hand_it_says_how_to_go_on(tiny, tmp_path):
 
 
 @pytest.mark.parametrize("how", ["processes", "dask"])
-def test_workers_that_are_killed(tiny, undisturbed, tmp_path, small_batches, how):
+def test_workers_that_are_killed(tiny, undisturbed, tmp_path, small_batches, how, same):
     if how == "dask":
         pytest.importorskip("distributed")
     killed = []
@@ -140,7 +132,7 @@ def test_workers_that_are_killed(tiny, undisturbed, tmp_path, small_batches, how
     same(dataset, undisturbed)
 
 
-def test_parts_together_are_the_whole(tiny, undisturbed, tmp_path):
+def test_parts_together_are_the_whole(tiny, undisturbed, tmp_path, same):
     for k in (3, 1, 2):
         carry_out(tiny, tmp_path, part=(k, 3), executor="in-process")
         if k == 3:
@@ -152,7 +144,7 @@ def test_parts_together_are_the_whole(tiny, undisturbed, tmp_path):
     same(collect(tmp_path), undisturbed)
 
 
-def test_an_enlarged_sweep_runs_only_what_is_new(tiny, undisturbed, tmp_path):
+def test_an_enlarged_sweep_runs_only_what_is_new(tiny, undisturbed, tmp_path, same):
     smaller = tmp_path / "tiny.yaml"
     smaller.write_text(TINY.replace("[40 Hz, 60 Hz, 80 Hz]", "[60 Hz, 80 Hz]"))
     warpdamp.run(smaller, store=tmp_path / "store", executor="in-process")
@@ -167,7 +159,7 @@ def test_an_enlarged_sweep_runs_only_what_is_new(tiny, undisturbed, tmp_path):
     assert set(told) == {"modes"}  # nothing left to do
 
 
-def test_damaged_shards_are_found_and_their_cases_run_again(tiny, undisturbed, tmp_path, small_batches, caplog):
+def test_damaged_shards_are_found_and_their_cases_run_again(tiny, undisturbed, tmp_path, small_batches, caplog, same):
     carry_out(tiny, tmp_path, executor="in-process")
     first, second, third, *_ = sorted((tmp_path / "shards").glob("*.nc"))
     first.write_bytes(first.read_bytes()[:1000])  # cut short
@@ -182,7 +174,7 @@ def test_damaged_shards_are_found_and_their_cases_run_again(tiny, undisturbed, t
     assert len(list((tmp_path / "damaged").iterdir())) == 3
 
 
-def test_a_full_disk_is_said_and_nothing_is_lost(tiny, undisturbed, tmp_path):
+def test_a_full_disk_is_said_and_nothing_is_lost(tiny, undisturbed, tmp_path, same):
     """No file may grow beyond a size that a shard needs: what a full disk does, at the same places."""
     store = tmp_path / "tiny"
     carry_out(tiny, store, part=(1, 3), executor="in-process")
@@ -213,7 +205,7 @@ def test_two_runs_in_one_folder(tiny, tmp_path):
         pass
 
 
-def test_a_case_that_fails_is_a_value(tiny, tmp_path):
+def test_a_case_that_fails_is_a_value(tiny, tmp_path, same):
     """One of several beds cannot be made; its cases say why, the others are as they were."""
     path = tmp_path / "study.yaml"
     path.write_text(TINY + "sweep: {product: {damper.particles.count: [8, 21]}}\n")
@@ -275,7 +267,7 @@ def test_workers_that_hang_or_die_are_replaced(monkeypatch):
     assert lost == {"hang": True, "die": False}
 
 
-def test_an_executor_of_ones_own(tiny, undisturbed):
+def test_an_executor_of_ones_own(tiny, undisturbed, same):
     with ThreadPoolExecutor(2) as own:
         same(warpdamp.run(tiny, executor=own, workers=2), undisturbed)
 
@@ -288,7 +280,7 @@ def test_an_executor_of_ones_own_that_breaks():
             list(work(iter([Batch(["die"], 60)]), crew_of_it, lambda batch: (nap, batch.parts), lambda busy: None))
 
 
-def test_the_same_by_processes_and_dask(tiny, undisturbed):
+def test_the_same_by_processes_and_dask(tiny, undisturbed, same):
     same(warpdamp.run(tiny, executor="processes", workers=2), undisturbed)
     pytest.importorskip("distributed")
     same(warpdamp.run(tiny, executor="dask", workers=2), undisturbed)

@@ -74,16 +74,6 @@ def test_the_standard_error_falls_as_one_over_root_of_cycles():
     assert slope == pytest.approx(-0.5, abs=0.05)
 
 
-@pytest.fixture
-def write(tmp_path):
-    def written(text):
-        path = tmp_path / "study.yaml"
-        path.write_text(text)
-        return path
-
-    return written
-
-
 def test_presets_and_conflicts(write):
     assert load(write(SMALL + "accuracy: balanced\n")).accuracy.tolerance == 0.02
     for text, message in (

@@ -193,15 +193,6 @@ def _kept(row) -> np.ndarray:
     return x[len(x) // 3 :]
 
 
-def mean_over_beds(rows) -> tuple[float, float]:
-    """Mean over beds and its standard error, never below what the beds' own errors give."""
-    kept = [_kept(row) for row in rows]
-    means = np.array([x.mean() for x in kept])
-    within = math.sqrt(sum(standard_error(x) ** 2 for x in kept)) / len(kept)
-    between = float(means.std(ddof=1)) / math.sqrt(len(means)) if len(means) > 1 else 0.0
-    return float(means.mean()), max(within, between)
-
-
 def systematic(runs: xr.Dataset) -> xr.Dataset:
     """Relative error of each variation against the reference, bed by bed, with its standard error, and its cost.
 

@@ -19,16 +19,18 @@ if TYPE_CHECKING:
     from .config import Config
 
 PRESETS = {"fast": 0.05, "balanced": 0.02, "reference": 0.005}
-"""Tolerances by name; their measured errors are in docs/accuracy.md."""
+"""Tolerances by name; what each of them chooses is in docs/accuracy.md."""
 
 STEP_ERROR = 0.005
-"""Relative error of the energy per cycle at 24 steps a contact, at most (docs/accuracy.md); of second order."""
+"""Relative error of the energy per cycle that a study reckons with at 24 steps a contact; of second order.  Six points
+together show 0.14 %, single ones as much as chance allows to see (docs/accuracy.md)."""
 
 STEP_SHARE = 1 / 3
 """Largest part of the tolerance that is left to the step."""
 
 RESIDUAL_FACTOR = 2.5
-"""Error of the energy per cycle over the ledger's residual, both of them the step's (docs/accuracy.md)."""
+"""What a case reckons its step error to be, over the ledger's residual.  Six points together show 0.7; upper bounds of
+single ones, in which chance is the most, reach 5.9 (docs/accuracy.md)."""
 
 SMALLEST_EFFECTIVENESS = 1e-3
 """Energies below this part of the ideal damper's count as nothing: no error is relative to less."""
@@ -54,7 +56,7 @@ class Plan:
 
 
 def step_error(steps_per_contact: float) -> float:
-    """Relative error of the energy per cycle that a step leaves at the most."""
+    """Relative error of the energy per cycle that a study reckons with for a step."""
     return STEP_ERROR * (24 / steps_per_contact) ** 2
 
 
