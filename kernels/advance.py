@@ -23,8 +23,9 @@ def stepper(effects):
     pair_forces, _ = pair_contacts(effects)
     wall_forces, _, contained = wall_contacts(effects)
     enclosure_phase, integrate, kick = motion(effects)
-    tally, stored, WORK = ledger(effects).tally, ledger(effects).stored, ledger(effects).WORK
-    FORCE_WORK = ledger(effects).FORCE_WORK
+    book = ledger(effects)
+    tally, stored, WORK, FORCE_WORK = book.tally, book.stored, book.WORK, book.FORCE_WORK
+    pushed, leave, returned = book.pushed, book.leave, book.returned
     s = structure(effects)
     answer, record, enclosure_place = s.answer, s.record, s.enclosure_place
 
@@ -49,8 +50,10 @@ def stepper(effects):
         reaction = vec3()
         wall_losses = Losses()
         if wp.static(effects.enclosure):
-            reaction, wall_losses, wall_largest = wall_forces(case, p, c, h, since)
+            reaction, wall_losses, wall_largest, on_floor, on_lid = wall_forces(case, p, c, h, since)
             largest = wp.max(largest, wall_largest)
+            if wp.static(effects.indicators):
+                row = pushed(row, on_floor, on_lid, h)
         cosine, sine = enclosure_phase(case, step)
         row = tally(case, row, pair_losses, wall_losses, largest, reaction, cosine, sine, h)
         if wp.static(effects.structure):
@@ -95,6 +98,8 @@ def stepper(effects):
                 h = real(0.5) * case.dt  # from the given velocities at step 0 to the half step
                 since = real(0.0)
                 rows[case.first_row] = stored(case, p, c, mount, row, real(0.0))
+                if wp.static(effects.indicators):
+                    leave(case, p)
 
             inertial, row = forces(case, p, c, mount, step, h, since, case.dt, row)
             work, travel2, mean_velocity = integrate(case, p, inertial, h, drift)
@@ -108,6 +113,9 @@ def stepper(effects):
 
             if step % wp.int64(case.cycle) == wp.int64(0):
                 cycle = wp.int32(step / wp.int64(case.cycle))
+                if wp.static(effects.indicators):
+                    row = returned(case, p, row)
+                    leave(case, p)
                 if cycle < case.rows:
                     rows[case.first_row + cycle] = stored(case, p, c, mount, row, real(0.5) * case.dt)
         if wp.static(effects.guards and effects.enclosure):

@@ -131,11 +131,13 @@ def wall_contacts(effects):
         """Add all wall forces and torques of a case.
 
         The step stands for ``h`` seconds, and comes ``since`` seconds after the last one.  Returns the force on the
-        enclosure [N], the losses [J] and the largest overlap over R.
+        enclosure [N], the losses [J], the largest overlap over R, and the normal forces on floor and lid [N].
         """
         reaction = vec3()
         losses = Losses()
         largest = real(0.0)
+        on_floor = real(0.0)
+        on_lid = real(0.0)
         for i in range(case.first, case.first + case.count):
             x = p[i].position
             radius = radius_of(case, p, i)
@@ -149,15 +151,17 @@ def wall_contacts(effects):
                 up = vec3(real(0.0), real(0.0), real(1.0))
                 f, lost, depth = wall_force(case, p, c, i, FLOOR, x[2] - radius, up, h, since)
                 reaction -= f
+                on_floor += f[2]
                 losses += lost
                 largest = at_least(largest, depth)
             if wp.static(effects.lid):
                 down = vec3(real(0.0), real(0.0), real(-1.0))
                 f, lost, depth = wall_force(case, p, c, i, LID, case.height - x[2] - radius, down, h, since)
                 reaction -= f
+                on_lid -= f[2]
                 losses += lost
                 largest = at_least(largest, depth)
-        return reaction, losses, largest
+        return reaction, losses, largest, on_floor, on_lid
 
     @wp.func
     def one_wall_energy(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, gap: real):

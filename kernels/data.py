@@ -37,13 +37,17 @@ NOT_FINITE = 1
 ESCAPED = 2
 
 
+INDICATORS = ("floor_impulse", "lid_impulse", "displacement")
+"""What tells the regime of motion: normal impulses on floor and lid [N s], and the particles' root mean square
+displacement over the last cycle, less the common one [m].  The last is of the moment."""
+
 STRUCTURE = ("force_work", "structure_loss", "structure_energy", "frame_energy")
 """With a structure: work of the force on it, its own losses, its energy, and what the particles' kinetic and
 gravitational energy in the laboratory exceeds that in the enclosure's frame by.  The last two are of the moment."""
 
 
 def columns(effects):
-    """Names of a ledger row's columns: the losses by channel or in total, and the structure's if there is one.
+    """Names of a ledger row's columns: losses by channel or in total, indicators and the structure's if there are any.
 
     All are energies [J], except: reaction_* = integral of the reaction along the drive times cos, sin [N s];
     largest_overlap = overlap over the reduced radius.  All but ``STORES`` accumulate from step 0.
@@ -57,6 +61,7 @@ def columns(effects):
         "reaction_sine",
         "largest_overlap",
         *STORES,
+        *(INDICATORS if effects.indicators else ()),
         *(STRUCTURE if effects.structure else ()),
     )
 
@@ -153,6 +158,8 @@ def structs(effects):
         if effects.rotation:
             torque: vec3
         listed: vec3  # position when the neighbour list was made
+        if effects.indicators:
+            returned: vec3  # position at the end of the last cycle
         if effects.sizes:
             radius: real
         if not effects.alike:

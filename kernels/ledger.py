@@ -30,6 +30,8 @@ def ledger(effects):
     at = {name: wp.constant(k) for k, name in enumerate(columns(effects))}
     WORK, COSINE, SINE = at["work_input"], at["reaction_cosine"], at["reaction_sine"]
     LARGEST, STORED = at["largest_overlap"], at["kinetic_translation"]
+    FLOOR_IMPULSE, LID_IMPULSE = at.get("floor_impulse"), at.get("lid_impulse")
+    DISPLACEMENT = at.get("displacement")
     FORCE_WORK, ENERGY = at.get("force_work"), at.get("structure_energy")
     CHANNELS = wp.constant(WORK // 2)
     _, pair_energy = pair_contacts(effects)
@@ -57,6 +59,32 @@ def ledger(effects):
         row[COSINE] += along * cosine
         row[SINE] += along * sine
         row[LARGEST] = wp.max(row[LARGEST], wp.float64(largest))
+        return row
+
+    @wp.func
+    def pushed(row: Row, on_floor: real, on_lid: real, h: real):
+        """Add the normal impulses on floor and lid."""
+        row[FLOOR_IMPULSE] += wp.float64(on_floor * h)
+        row[LID_IMPULSE] += wp.float64(on_lid * h)
+        return row
+
+    @wp.func
+    def leave(case: Case, p: wp.array(dtype=Particle)):
+        """Begin a cycle: remember where every particle is."""
+        for i in range(case.first, case.first + case.count):
+            p[i].returned = p[i].position
+
+    @wp.func
+    def returned(case: Case, p: wp.array(dtype=Particle), row: Row):
+        """End a cycle: how far the particles have moved from one another, root mean square."""
+        common = wp.vec3d()
+        square = wp.float64(0.0)
+        for i in range(case.first, case.first + case.count):
+            moved = wp.vec3d(p[i].position - p[i].returned)
+            common += moved
+            square += wp.dot(moved, moved)
+        n = wp.float64(case.count)
+        row[DISPLACEMENT] = wp.sqrt(wp.max(square - wp.dot(common, common) / n, wp.float64(0.0)) / n)
         return row
 
     @wp.func
@@ -97,4 +125,6 @@ def ledger(effects):
             row[ENERGY + 1] = speed * momentum + wp.float64(0.5) * total * speed * speed - weight * wp.float64(place)
         return row
 
-    return SimpleNamespace(tally=tally, stored=stored, WORK=WORK, FORCE_WORK=FORCE_WORK)
+    return SimpleNamespace(
+        tally=tally, pushed=pushed, leave=leave, returned=returned, stored=stored, WORK=WORK, FORCE_WORK=FORCE_WORK
+    )

@@ -45,6 +45,9 @@ def test_one_ball_between_floor_and_lid(make_scene, q):
     assert np.mean(effectiveness(last, scene, state.radius)) == pytest.approx(expected, rel=5e-3)
     assert abs(last.residual[-1]) < 1e-3 * (last.dissipated[-1] - last.dissipated[0])
     assert harmonic_work(last.reaction(drive), drive) == pytest.approx(np.mean(last.per_cycle()), rel=1e-3)
+    floor, lid = last.change("floor_impulse"), last.change("lid_impulse")
+    assert floor == pytest.approx(lid, rel=1e-3)  # the ball's momentum repeats, to what repeats from cycle to cycle
+    assert floor > 0
 
 
 def plastic_block(gamma):
@@ -99,6 +102,25 @@ def test_the_ledger_of_a_shaken_bed_closes_and_improves_with_the_step(damper, lo
     assert left[1] < 0.003
     slope = np.polyfit(np.log([4e-6, 2e-6, 1e-6]), np.log(left), 1)[0]
     assert slope > 1.5
+
+
+def test_particles_that_part_are_displaced(make_scene):
+    """Two free particles go v / f a cycle each, opposite ways, and their common way does not count."""
+    scene = make_scene(enclosure=Cylinder(0.2, 0.2), drive=Drive(100.0, 1e-9))
+    state = State.at_rest([[-0.02, 0, 0.1], [0.02, 0, 0.1]], RADIUS)
+    state.velocity[:] = [[0.3, 0, 0.5], [0.9, 0, 0.5]]
+    displacement = shake(scene, state, 1e-5, 2)["displacement"]
+    np.testing.assert_allclose(displacement, [0, 0.3 / 100, 0.3 / 100], rtol=1e-6)  # the cavity moves by 3e-15 m
+
+
+def test_the_floor_carries_a_bed_that_does_not_move(make_scene):
+    """Without friction the side carries nothing: the floor gives m g per second, the lid nothing."""
+    scene = make_scene(friction=0.0, gravity=(0, 0, -9.81), enclosure=Cylinder(0.04, 0.04), drive=Drive(50.0, 1e-3))
+    state = State.at_rest([[0, 0, RADIUS * (1 - 1e-6)]], RADIUS)
+    ledger = shake(scene, state, 1e-6, 20).between(10, 20)
+    weight = 9.81 * float(scene.mass(RADIUS))
+    assert ledger.change("floor_impulse") == pytest.approx(weight * 10 / 50, rel=1e-3)  # it still bounces a little
+    assert ledger.change("lid_impulse") == 0
 
 
 @pytest.mark.slow

@@ -54,9 +54,10 @@ def with_rolling(scene, coefficient):
 
 def test_effects_follow_the_scene(damper):
     state = State.at_rest([[0, 0, 0.01], [0, 0, 0.02]], RADIUS)
-    full = called_for(damper(), state)
+    full = called_for(damper(46.0, 1.0), state)
     assert full == Effects()
-    scene = damper()
+    assert called_for(damper(), state) == dataclasses.replace(full, indicators=False)
+    scene = damper(46.0, 1.0)
     frictionless = dataclasses.replace(scene, particle_contact=Surface(0.5, 0), wall_contact=Surface(0.5, 0))
     assert called_for(frictionless, state) == dataclasses.replace(full, friction=False, rotation=False)
     elastic = dataclasses.replace(scene, particle_contact=Surface(1, 0.1), wall_contact=Surface(1, 0.1))
@@ -84,7 +85,9 @@ def test_forcing_and_covering():
 def test_what_is_off_has_no_array():
     from warpdamp.kernels.data import types
 
-    plain = types(Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False))
+    plain = types(
+        Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False, indicators=False)
+    )
     assert list(plain.Particle.vars) == ["position", "half_velocity", "force", "listed"]
     assert list(plain.Contacts.vars) == ["start", "partner"]
     assert list(plain.Law.vars) == ["modulus"]
@@ -102,6 +105,7 @@ SAME = [
     ("sizes all alike", {}, {"sizes": True}),
     ("one material as a mixture", {}, {"materials": True}),
     ("losses in total", {}, {"channels": False}),
+    ("no indicators", {}, {"indicators": False}),
     ("no guards", {}, {"guards": False}),
 ]
 

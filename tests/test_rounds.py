@@ -36,20 +36,24 @@ def undisturbed(study):
 
 
 @pytest.mark.parametrize(
-    ("energies", "packings"),
+    ("energies", "step", "packings"),
     [
-        ([1.0, 1.0, 1.0, 9.0, 9.0, 9.0], 3),  # three agree: what comes after is not looked at
-        ([1.0, 1.5, 0.5, np.nan, np.nan, np.nan], 4),  # they do not: one more, and then it is seen
-        ([1.0, 1.5, 0.5, 1.5, 0.5, 1.5], 6),  # all there are
-        ([1.0, np.nan, 0.5, 1.5, 0.5, 1.5], 3),  # more of what failed does not help
-        ([1.0, 2.0], 2),
+        ([1.0, 1.0, 1.0, 9.0, 9.0, 9.0], 0.0, 3),  # three agree: what comes after is not looked at
+        ([1.0, 1.5, 0.5, np.nan, np.nan, np.nan], 0.0, 4),  # they do not: one more, and then it is seen
+        ([1.0, 1.5, 0.5, 1.5, 0.5, 1.5], 0.0, 6),  # all there are
+        ([1.0, np.nan, 0.5, 1.5, 0.5, 1.5], 0.0, 3),  # more of what failed does not help
+        ([1.07, 0.93, 1.0, 1.0, 1.0, 1.0], 0.0, 3),
+        ([1.07, 0.93, 1.0, 1.0, 1.0, 1.0], 0.04, 4),  # the step has taken its part of the tolerance
+        ([1.07, 0.93, 1.0, 1.0, 1.0, 1.0], 0.06, 3),  # more packings do not mend a step
+        ([1.0, 2.0], 0.0, 2),
     ],
 )
-def test_the_rule(energies, packings):
-    n = len(energies)
-    assert (
-        packings_called_for(np.array(energies), np.full(n, 0.01), np.full(n, 20.0), np.full(n, 4.0), 0.05) == packings
-    )
+def test_the_rule(energies, step, packings):
+    def every(value):
+        return np.full(len(energies), value)
+
+    found = packings_called_for(np.array(energies), every(0.01), every(20.0), every(step), every(4.0), 0.05)
+    assert found == packings
 
 
 def test_points_get_what_they_need(undisturbed):

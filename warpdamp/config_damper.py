@@ -252,6 +252,7 @@ class EffectsConfig(Model):
     dashpots: Switch = None
     rolling: Switch = None
     gravity: Switch = None
+    indicators: Switch = None
     ledger: Literal["channels", "totals"] = "channels"
 
     def forced(self) -> tuple[tuple[str, bool], ...]:

@@ -14,7 +14,7 @@ from .results import INTEGERS, NOT_RUN, describe, provenance
 from .rounds import called_for
 from .scene import STANDARD_GRAVITY
 from .steady import Status
-from .tolerance import SMALLEST_EFFECTIVENESS, combined
+from .tolerance import allowed, combined
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -172,7 +172,7 @@ def _with_seeds_that_ran(dataset: xr.Dataset, config: Config) -> xr.Dataset:
     return dataset.isel(seed=ran.any([dim for dim in ran.dims if dim != "seed"]).values)
 
 
-_PARTS = ("energy_dissipated", "energy_dissipated_standard_error", "degrees_of_freedom")
+_PARTS = ("energy_dissipated", "energy_dissipated_standard_error", "degrees_of_freedom", "discretisation_error")
 
 
 def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
@@ -186,18 +186,15 @@ def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
     status = over_packings("status")
     ran = ~np.isin(status, (Status.NOT_RUN, Status.EXCLUDED, Status.REFUSED))
     answer = combined(*(over_packings(name) for name in _PARTS), ran)
-    with np.errstate(invalid="ignore"):
-        left = np.where(ran, over_packings("discretisation_error"), 0.0).sum(-1) / np.maximum(answer.packings, 1)
-    total = np.hypot(answer.standard_error, left)
     found = {
         "energy_mean": answer.mean,
-        "energy_mean_standard_error": total,
-        "energy_mean_interval": np.hypot(answer.interval, 2 * left),
+        "energy_mean_standard_error": answer.total_error,
+        "energy_mean_interval": answer.interval,
         "packings": answer.packings.astype(np.int64),
     }
     if tolerance is not None:
         largest = np.max(np.where(ran, over_packings("maximum_energy"), 0.0), axis=-1)
-        limit = np.maximum(tolerance * answer.mean, SMALLEST_EFFECTIVENESS * largest)
-        found["within_tolerance"] = (total <= limit).astype(np.int64)
+        limit = allowed(tolerance, answer.mean, largest)
+        found["within_tolerance"] = (answer.total_error <= limit).astype(np.int64)
     dims = [dim for dim in dataset["status"].dims if dim != "seed"]
     return xr.Dataset({name: (dims, values) for name, values in found.items()})

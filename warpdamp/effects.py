@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 Precision = Literal["float64", "float32"]
 
-FORCIBLE = ("friction", "rotation", "dashpots", "rolling", "gravity", "channels")
+FORCIBLE = ("friction", "rotation", "dashpots", "rolling", "gravity", "channels", "indicators")
 """Effects that may be forced on or off; the others are the scene's geometry and content."""
 
 
@@ -39,6 +39,8 @@ class Effects:
         Whether the particles of a case are of more than one material.
     channels : bool
         Whether the ledger keeps losses by channel, or only their sum.
+    indicators : bool
+        Whether it also keeps what tells the regime of motion: impulses on floor and lid, displacements over a cycle.
     guards : bool
         Whether every step checks that the state is finite, and every launch that all particles are in the cavity.
     structure : bool
@@ -58,6 +60,7 @@ class Effects:
     sizes: bool = False
     materials: bool = False
     channels: bool = True
+    indicators: bool = True
     guards: bool = True
     structure: bool = False
     precision: Precision = "float64"
@@ -125,6 +128,7 @@ def called_for(scene: Scene, grains, *, precision: Precision = "float64") -> Eff
         lid=bool(cavity and cavity.lid),
         sizes=len(set(np.asarray(grains.radius).tolist())) > 1,
         materials=len(scene.materials) > 1,
+        indicators=scene.drive is not None and cavity is not None,
         structure=scene.mount is not None,
         precision=precision,
     )

@@ -29,6 +29,7 @@ CALLS_FOR = {
     "sizes": ("damper.particles",),
     "materials": ("damper.particles",),
     "channels": ("effects.ledger",),
+    "indicators": ("effects.indicators", "excitation.gamma"),
 }
 """Keys of the configuration that call for an effect."""
 
@@ -198,17 +199,20 @@ def _cases(made: Plan, numbers):
 
 def _price(made: Plan, numbers, workers):
     from .batches import BATCH_COST, MOST_CASES
+    from .rounds import called_for
     from .speed import moving, recall
+    from .store import Finished
 
     cost, group = made.cost[numbers], made.group[numbers]
+    first = np.isin(numbers, called_for(made, Finished()))
     longer = np.array([criteria.most / criteria.fewest for _, criteria in made.groups])
-    least, most = cost.sum(), (cost * longer[group]).sum()
+    least, most = cost[first].sum(), (cost * longer[group]).sum()
     yield f"  at least {least:.3g} particle-steps, at most {most:.3g} if no case becomes steady; beds are extra"
     rates = [recall(moving, effects) for effects, _ in made.groups]
     if None in rates:
         yield "  this machine's speed is not measured yet: warpdamp explain --measure takes about a minute"
     else:
-        spent = float((cost * np.array(rates)[group]).sum()) * 1e-9
+        spent = float((cost * np.array(rates)[group])[first].sum()) * 1e-9
         yield (
             f"  {np.mean(rates):.0f} ns per particle-step on this machine: at least {_duration(spent / workers)} on "
             f"{workers} cores, at most {_duration(spent / workers * most / least)}"

@@ -1,6 +1,7 @@
-"""Regimes of motion, as far as what is recorded tells them.
+"""Regimes of motion, told from what every run records: who carries the bed, and whether its particles stay in place.
 
-Whether a bed convects is not among it: that needs the displacement of particles over a cycle.
+The change from one to the next is gradual; the limits below are conventions, chosen where the paper's bed changes its
+ways.
 """
 
 from __future__ import annotations
@@ -16,6 +17,14 @@ if TYPE_CHECKING:
 SOLID_BELOW = 0.02
 """Effectiveness under which a bed moves with its cavity."""
 
+TWO_SIDED_ABOVE = 0.1
+"""Impulse of the lid over that of the floor.  Stray particles that reach the lid stay below 0.03."""
+
+CONVECTING_BELOW = 1 / 3
+"""Part of the particles' mass that the structure feels under which most of the bed has left its walls."""
+
+RECORDED = ("floor_impulse", "lid_impulse", "apparent_mass", "cycle_displacement")
+
 
 class Regime(IntEnum):
     """How a bed moves."""
@@ -24,41 +33,38 @@ class Regime(IntEnum):
     SOLID = 1
     FLUIDISED = 2
     TWO_SIDED_COLLISION = 3
+    CONVECTING = 4
 
 
-def flight_height(gamma) -> np.ndarray:
-    """How far a plastic block rises above the floor of its cavity, over the amplitude X, with gravity along the axis.
-
-    It lifts off at sin a = 1 / Gamma and flies freely: its height over X after a phase t is
-    sin a + t cos a - sin(a + t) - t^2 / (2 Gamma).
-    """
-    gamma = np.asarray(gamma, float)[..., None]
-    start = np.arcsin(1 / np.maximum(gamma, 1.0))
-    t = np.linspace(0, 4 * np.pi, 2001)
-    height = np.sin(start) + t * np.cos(start) - np.sin(start + t) - t**2 / (2 * gamma)
-    landed = np.maximum.accumulate((height < 0) & (t > 1e-3), axis=-1)
-    return np.where(gamma[..., 0] > 1, np.max(np.where(landed, 0.0, height), axis=-1), 0.0)
-
-
-def regime(dataset: xr.Dataset, *, lid_impulse: xr.DataArray | None = None) -> xr.DataArray:
+def regime(dataset: xr.Dataset) -> xr.DataArray:
     """Label every case.
 
-    Solid: the effectiveness is below 2 %.  Two-sided collision: the lid takes impulses or, where they are not
-    recorded, a plastic block in this cavity would rise through the clearance measured.  Fluidised: neither.
+    Solid: the effectiveness is below 2 %.  Two-sided collision: the lid gives at least a tenth of the floor's impulse.
+    Convecting: the structure feels less than a third of the particles, and these end a cycle farther from where they
+    began than the cavity moves.  Fluidised: none of it; particles part, and return.
 
     Parameters
     ----------
-    lid_impulse : momentum that the lid gives per cycle, where it is recorded
+    dataset : of results, with the variables in ``RECORDED``
+
+    Raises
+    ------
+    ValueError
+        If they are not there: ``effects.indicators`` was off.
     """
     import xarray as xr
 
-    effectiveness, clearance = xr.broadcast(dataset["effectiveness"], dataset["clearance"])
-    rise = dataset["displacement"] * xr.apply_ufunc(flight_height, dataset["gamma"])
-    hits = rise > clearance if lid_impulse is None else lid_impulse > 0
-    labels = xr.where(hits, int(Regime.TWO_SIDED_COLLISION), int(Regime.FLUIDISED))
-    labels = xr.where(effectiveness < SOLID_BELOW, int(Regime.SOLID), labels)
-    known = np.isfinite(effectiveness) & (np.isfinite(clearance) if lid_impulse is None else True)
-    labels = xr.where(known, labels, int(Regime.UNKNOWN)).transpose(*effectiveness.dims).astype(np.int8)
+    missing = [name for name in RECORDED if name not in dataset]
+    if missing:
+        raise ValueError(f"the results have no {missing[0]}: run with effects.indicators on")
+    carried = dataset["apparent_mass"] / dataset["particle_mass"]
+    transported = dataset["cycle_displacement"] > dataset["displacement"]
+    labels = xr.where((carried < CONVECTING_BELOW) & transported, int(Regime.CONVECTING), int(Regime.FLUIDISED))
+    two_sided = dataset["lid_impulse"] > TWO_SIDED_ABOVE * dataset["floor_impulse"]
+    labels = xr.where(two_sided, int(Regime.TWO_SIDED_COLLISION), labels)
+    labels = xr.where(dataset["effectiveness"] < SOLID_BELOW, int(Regime.SOLID), labels)
+    labels = xr.where(np.isfinite(dataset["effectiveness"]), labels, int(Regime.UNKNOWN))
+    labels = labels.transpose(*dataset["effectiveness"].dims).astype(np.int8)
     labels.attrs.update(
         units="1",
         long_name="regime of motion",

@@ -18,7 +18,13 @@ if TYPE_CHECKING:
     from .plan import Plan
     from .store import Finished
 
-_VALUES = ("energy_dissipated", "energy_dissipated_standard_error", "degrees_of_freedom", "maximum_energy")
+_VALUES = (
+    "energy_dissipated",
+    "energy_dissipated_standard_error",
+    "degrees_of_freedom",
+    "discretisation_error",
+    "maximum_energy",
+)
 
 NEEDED = ("status", *_VALUES)
 """What of the finished cases is looked at."""
@@ -41,7 +47,7 @@ def called_for(plan: Plan, finished: Finished) -> np.ndarray:
 
 
 def _values(plan: Plan, finished: Finished) -> np.ndarray:
-    """(4, n) energies and what they are worth; NaN where a case is not finished, or failed."""
+    """(5, n) energies and what they are worth; NaN where a case is not finished, or failed."""
     rows = finished.rows(plan.keys)
     there = rows >= 0
     values = np.full((len(_VALUES), len(rows)), np.nan)

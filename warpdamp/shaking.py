@@ -207,12 +207,22 @@ def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
     dissipated = float(np.mean(window.per_cycle()))
     return {
         **{f"{name}_loss": window.change(name) / cycles for name in window.losses},
+        **(_indicators(window) if window.effects.indicators else {}),
         "work_input": window.change("work_input") / cycles,
         "harmonic_work": harmonic_work(reaction, drive),
         "apparent_mass": apparent_mass(reaction, drive),
         "ledger_residual": abs(float(window.residual[-1])) / cycles / max(dissipated, smallest),
         "largest_overlap": float(window["largest_overlap"][-1]),
         "maximum_energy": maximum_energy(drive, mass),
+    }
+
+
+def _indicators(window: Ledger) -> dict:
+    """What tells the regime of motion."""
+    cycles = len(window.rows) - 1
+    return {
+        **{name: window.change(name) / cycles for name in ("floor_impulse", "lid_impulse")},
+        "cycle_displacement": float(np.mean(window["displacement"][1:])),
     }
 
 

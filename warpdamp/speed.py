@@ -37,13 +37,14 @@ TOGGLES: dict[str, dict] = {
     "sizes": {"sizes": False},
     "materials": {"materials": False},
     "channels": {"channels": False},
+    "indicators": {"indicators": False},
     "guards": {"guards": False},
     "precision": {"precision": "float32"},
 }
 """What the effects become when one of them is off (precision: float32 instead of float64)."""
 
-SIMPLEST = Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False)
-"""The simplest law in a closed cavity: frictionless, elastic, no gravity, losses in total."""
+SIMPLEST = Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False, indicators=False)
+"""The simplest law in a closed cavity: frictionless, elastic, no gravity, losses in total, nothing else recorded."""
 
 
 def without(effects: Effects, name: str) -> Effects:

@@ -101,23 +101,30 @@ def applied(config: Config) -> Config:
     return changed
 
 
-def packings_called_for(energies, errors, degrees, largest, tolerance: float) -> int:
+def packings_called_for(energies, errors, degrees, steps, largest, tolerance: float) -> int:
     """How many of a point's packings it takes, as far as those that ran tell: a few, and more while they disagree.
 
     Parameters
     ----------
-    energies, errors, degrees : (n,) energy per cycle, its standard error and that one's degrees of freedom, of every
-        packing that there may be; NaN where it has not run, or failed: more of what failed does not help
+    energies, errors, degrees, steps : (n,) energy per cycle, its standard error, that one's degrees of freedom and the
+        error of the step, of every packing that there may be; NaN where it has not run, or failed: more of what failed
+        does not help
     largest : (n,) energy of the ideal damper [J]
     tolerance : relative
     """
     n = min(FEWEST_PACKINGS, len(energies))
     while n < len(energies) and np.isfinite(energies[:n]).all():
-        answer = combined(energies[:n], errors[:n], degrees[:n])
-        if answer.standard_error <= max(tolerance * answer.mean, SMALLEST_EFFECTIVENESS * largest[0]):
+        answer = combined(energies[:n], errors[:n], degrees[:n], steps[:n])
+        limit = allowed(tolerance, answer.mean, largest[0])
+        if answer.total_error <= limit or answer.step_error > limit:  # more packings do not mend a step
             break
         n += 1
     return n
+
+
+def allowed(tolerance: float, mean, largest):
+    """Standard error that a tolerance allows a mean, of which the ideal damper's would be ``largest``."""
+    return np.maximum(tolerance * mean, SMALLEST_EFFECTIVENESS * largest)
 
 
 @dataclass(frozen=True)
@@ -128,26 +135,36 @@ class Answer:
     ----------
     mean : in the unit of the values
     standard_error : of the mean: by the packings' spread, never below what their own errors give
-    interval : half-width of the 95 % interval, by Student's t with the degrees of freedom of the larger part
+    step_error : of the mean; packings share it, so that it does not average out
+    interval : half-width of the 95 % interval: Student's t with the degrees of freedom of the larger statistical part,
+        and twice the step's error
     packings : how many
     """
 
     mean: np.ndarray
     standard_error: np.ndarray
+    step_error: np.ndarray
     interval: np.ndarray
     packings: np.ndarray
 
+    @property
+    def total_error(self) -> np.ndarray:
+        """Standard error, all parts together: what is held against a tolerance."""
+        return np.hypot(self.standard_error, self.step_error)
 
-def combined(means, errors, degrees, ran=True) -> Answer:
+
+def combined(means, errors, degrees, steps=0.0, ran=True) -> Answer:
     """Combine packings.
 
     Parameters
     ----------
     means, errors : (..., n) mean and standard error of each packing
     degrees : (..., n) degrees of freedom of each error
+    steps : (..., n) error of the step of each
     ran : (..., n) which of them there are
     """
-    means, errors, degrees, ran = np.broadcast_arrays(*(np.asarray(a) for a in (means, errors, degrees, ran)))
+    given = (means, errors, degrees, steps, ran)
+    means, errors, degrees, steps, ran = np.broadcast_arrays(*(np.asarray(a) for a in given))
 
     def total(values):
         return np.sum(np.where(ran, values, 0.0), axis=-1)
@@ -157,10 +174,12 @@ def combined(means, errors, degrees, ran=True) -> Answer:
         mean = total(means) / n
         within = np.sqrt(total(errors**2)) / n
         between = np.where(n > 1, np.sqrt(total((means - mean[..., None]) ** 2) / ((n - 1) * n)), 0.0)
+        step = total(steps) / n
         own = total(errors**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
     own = np.where(within > 0, own, math.inf)
     error = np.maximum(within, between)
-    return Answer(mean, error, error * student(np.where(between > within, n - 1.0, own)), n)
+    interval = np.hypot(error * student(np.where(between > within, n - 1.0, own)), 2 * step)
+    return Answer(mean, error, step, interval, n)
 
 
 def student(degrees):

@@ -72,7 +72,7 @@ class Transfer:
         }
         values = np.zeros(len(self), dtype=self.types.Particle.numpy_dtype())
         for name in values.dtype.names:
-            if name not in ("force", "torque", "listed"):
+            if name not in ("force", "torque", "listed", "returned"):
                 field = name.removeprefix("half_")
                 each = given[name] if name in given else [getattr(s, field) for s in self.states]
                 values[name] = self.of_all(each)

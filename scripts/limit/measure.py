@@ -66,7 +66,7 @@ def main() -> None:
     scene, state = jammed_bed()
     with tempfile.TemporaryDirectory() as folder:
         scalar, lanes = (spent(built(width, Path(folder)), scene, state, 1e-18) for width in (1, 8))
-    bare = Effects(side=False, floor=False, lid=False)
+    bare = Effects(side=False, floor=False, lid=False, indicators=False)
     step = statistics.median(frozen([bare])[bare])
     print(f"plain_c_one_pair_ns {scalar:.1f}")
     print(f"plain_c_eight_pairs_ns {lanes:.1f}")
