@@ -19,7 +19,7 @@ from warpdamp.scene import STANDARD_GRAVITY
 PAPER_SLOPE, PAPER_LINE = 0.0028, "3 - 0.0037 f"
 KEPT = (
     "effectiveness", "effectiveness_standard_error", "energy_dissipated", "apparent_mass", "clearance", "status",
-    "cycles", "ledger_residual",
+    "cycles", "ledger_residual", "floor_impulse", "lid_impulse", "cycle_displacement", "displacement", "particle_mass",
 )  # fmt: skip
 
 
@@ -82,6 +82,7 @@ def main():
     optima = dataset.damper.optimum()
     options.docs.mkdir(parents=True, exist_ok=True)
     save(draw(dataset), options.docs / "frequency_map.png")
+    save(dataset.damper.regime_map(), options.docs / "frequency_map_regimes.png")
     small = dataset[[name for name in KEPT if name in dataset]]
     write(small, options.docs / "frequency_map.nc")
     status = dataset["status"].values
@@ -94,6 +95,8 @@ def main():
         f"{float(dataset['cpu_time'].sum()) / 3600:.2g} hours of processor time. Data: `frequency_map.nc`.",
         "",
         "![Effectiveness over frequency and Gamma](frequency_map.png)",
+        "",
+        "![Regimes of motion over frequency and Gamma](frequency_map_regimes.png)",
         "",
         "Optima are maxima of a Gaussian process through the points of each frequency, with standard errors from its "
         "posterior (`dataset.damper.optimum()`).",

@@ -19,7 +19,7 @@ THIN_MAP = (
     MAP.replace("diameter: 40 mm, height: 40 mm", "diameter: 24 mm, height: 20 mm")
     .replace("count: 120", "count: 8")
     .replace("youngs_modulus: 3.3 GPa", "youngs_modulus: 33 MPa")
-    .replace("from: 30 Hz, to: 680 Hz, n: 27", "from: 30 Hz, to: 80 Hz, n: 6")
+    .replace("log: [30 Hz, 680 Hz], n: 27", "log: [30 Hz, 80 Hz], n: 6")
     .replace("from: 0.5, to: 12, n: 24", "from: 1, to: 10, n: 8")
     .replace("preparation: compacted", "preparation: loose")
     .replace("most_cycles: 400", "fewest_cycles: 12, most_cycles: 12")
@@ -36,7 +36,7 @@ def python(*arguments, cwd):
 
 def test_the_frequency_map_is_what_was_asked_for():
     config = warpdamp.load(ROOT / "configs" / "frequency_map.yaml")
-    assert config.excitation.frequency == list(np.arange(30.0, 681.0, 25.0))
+    np.testing.assert_allclose(config.excitation.frequency, np.geomspace(30, 680, 27))
     assert len(config.excitation.gamma) == 24
     assert config.preparation == "compacted"
 
@@ -70,7 +70,8 @@ def test_the_frequency_map_of_a_small_damper(tmp_path):
     text = (tmp_path / "docs" / "frequency_map.md").read_text()
     assert "48 cases, 48 of them finished" in text
     assert "The paper's line: 3 - 0.0037 f" in text or "needs three points" in text
-    assert (tmp_path / "docs" / "frequency_map.png").read_bytes()[:4] == b"\x89PNG"
+    for name in ("frequency_map", "frequency_map_regimes"):
+        assert (tmp_path / "docs" / f"{name}.png").read_bytes()[:4] == b"\x89PNG"
     python("-m", "warpdamp", "plot", tmp_path / "docs" / "frequency_map.nc", "-o", tmp_path / "a.png", cwd=tmp_path)
 
 
@@ -100,7 +101,7 @@ def test_the_design_study_shortened(tmp_path):
 def test_everything_sampled_has_one_dimension(tmp_path):
     config = tmp_path / "sampled.yaml"
     config.write_text(
-        THIN_MAP.replace("{from: 30 Hz, to: 80 Hz, n: 6}", "40 Hz").replace("{from: 1, to: 10, n: 8}", "3")
+        THIN_MAP.replace("{log: [30 Hz, 80 Hz], n: 6}", "40 Hz").replace("{from: 1, to: 10, n: 8}", "3")
         + "sweep: {sample: {n: 4, over: {gamma: [2, 6], frequency: [40 Hz, 80 Hz], friction: [0.1, 0.9], seed: [1, 1000]}}}\n"
     )
     dataset = warpdamp.run(config, executor="in-process")

@@ -98,6 +98,12 @@ class Damper:
 
         return draw(self._dataset)
 
+    def regime_map(self) -> Figure:
+        """Regimes over frequency and Gamma; see ``warpdamp.maps.regime_map``."""
+        from .maps import regime_map
+
+        return regime_map(self._dataset)
+
 
 def _packings(array: xr.DataArray):
     return array.notnull().sum("seed") if "seed" in array.dims else 1

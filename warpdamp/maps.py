@@ -79,13 +79,55 @@ def phase_map(dataset: xr.Dataset) -> Figure:
             )  # fmt: skip
         ax.set_ylim(float(dataset["gamma"].min()), float(dataset["gamma"].max()))
         ax.set_title(named(value, panel), fontsize=9)
-        ax.set_xlabel("excitation frequency [Hz]")
+        _frequency_axis(ax, frequency)
     axes[0].set_ylabel("Γ [-]")
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, fontsize=7, loc="outside lower center", ncols=2, facecolor="0.4", labelcolor="white")
     figure.colorbar(image, ax=list(axes), label="effectiveness [-]")
     figure.suptitle(dataset.attrs.get("title", ""), fontsize=11)
     return figure
+
+
+def regime_map(dataset: xr.Dataset) -> Figure:
+    """Regimes of motion over frequency and Gamma, one panel a combination of the other scalars; see ``regimes``.
+
+    Of several seeds the first is shown: labels have no mean.
+    """
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    from .regimes import Regime, regime
+
+    label = regime(dataset)
+    label = label.isel(seed=0) if "seed" in label.dims else label
+    chosen = panels(label, [dim for dim in label.dims if dim not in ("frequency", "gamma")])
+    figure, axes = grid(len(chosen), width=5.4 if len(chosen) == 1 else 3.8, height=4.2 if len(chosen) == 1 else 3.1)
+    kinds = list(Regime)
+    colours = ListedColormap([{"UNKNOWN": "white"}.get(kind.name, f"C{kind.value}") for kind in kinds])
+    norm = BoundaryNorm(np.arange(len(kinds) + 1) - 0.5, len(kinds))
+    frequency = dataset["frequency"].values
+    for ax, panel in zip(axes, chosen, strict=True):
+        image = ax.pcolormesh(
+            frequency, dataset["gamma"], label.isel(panel).transpose("gamma", "frequency"), norm=norm, cmap=colours,
+            shading="nearest",
+        )  # fmt: skip
+        ax.set_title(named(label, panel), fontsize=9)
+        _frequency_axis(ax, frequency)
+    axes[0].set_ylabel("Γ [-]")
+    bar = figure.colorbar(image, ax=list(axes), ticks=[kind.value for kind in kinds])
+    bar.ax.set_yticklabels([kind.name.lower().replace("_", " ") for kind in kinds])
+    figure.suptitle(dataset.attrs.get("title", ""), fontsize=11)
+    return figure
+
+
+def _frequency_axis(ax, frequency: np.ndarray) -> None:
+    """Logarithmic where the frequencies are spaced so."""
+    ratios = frequency[1:] / frequency[:-1]
+    if len(ratios) > 1 and np.ptp(ratios) < 0.01 * ratios.mean():
+        ax.set_xscale("log")
+        ticks = [t for t in (20, 30, 50, 100, 200, 300, 500, 1000) if frequency[0] <= t <= frequency[-1]]
+        ax.set_xticks(ticks, [f"{t}" for t in ticks])
+        ax.minorticks_off()
+    ax.set_xlabel("excitation frequency [Hz]")
 
 
 def _lines(ax, dataset, panel) -> None:
