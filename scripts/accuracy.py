@@ -21,7 +21,7 @@ from warpdamp import load
 from warpdamp.accuracy import averaged, chance, cheapest, points_of, step_errors, study, systematic, transient
 from warpdamp.plot_accuracy import PARTS, budget, budget_table, work_precision
 from warpdamp.results import write
-from warpdamp.tolerance import PRESETS, RESIDUAL_FACTOR, STEP_ERROR, plan, step_error
+from warpdamp.tolerance import BED_MEMORY, PRESETS, RESIDUAL_FACTOR, STEP_ERROR, plan, step_error
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -204,6 +204,7 @@ def coverage_section() -> list[str]:
     with xr.open_dataset(DOCS / "coverage.nc") as cases:
         cases = cases.load()
     inside = (abs(cases["claimed"] - cases["reference"]) <= cases["interval"]).values
+    averaged = (abs(cases["claimed"] - cases["reference"]) <= cases["averaging_interval"]).values
     steady = (cases["status"] == 0).values
     groups = [("all", np.ones(len(inside), bool))]
     groups += [(f"{n} spheres", (cases["count"] == n).values) for n in np.unique(cases["count"])]
@@ -217,19 +218,41 @@ def coverage_section() -> list[str]:
         ok = of & steady
         error = float((cases["interval"] / cases["claimed"]).values[ok].mean())
         own = float((cases["reference_standard_error"] / cases["reference"]).values[ok].mean())
+        off = (cases["claimed"] / cases["reference"]).values[ok] - 1
         rows.append(
             [label, str(int(of.sum())), str(int(ok.sum())), f"{100 * inside[ok].mean():.0f} %"]
-            + [f"{100 * error:.1f} %", f"{100 * own:.1f} %"]
+            + [f"{100 * averaged[ok].mean():.0f} %", f"{100 * error:.1f} %", f"{100 * own:.1f} %"]
+            + [f"{100 * np.sqrt(np.mean(off**2)):.1f} %", f"{100 * abs(off).max():.0f} %"]
         )
     return [
         "## Do the intervals hold?",
         "",
         "Written from scripts/coverage.py: each case runs as with a tolerance of 5 %; the reference is the mean of the "
         "same bed over eight times as many cycles afterwards, at least 300.  Share of steady cases whose 95 % "
-        "interval holds the reference (asked for: 90-99 %), the interval's mean half-width, and the reference's own "
-        "standard error.",
+        "interval holds the reference (asked for: 90-99 %), the share that the average over cycles alone would hold, "
+        "the interval's mean half-width, the reference's own standard error, and by how much claims are off (root mean "
+        "square, and at most).",
         "",
-        *table(["cases", "drawn", "steady", "covered", "half-width", "reference"], rows),
+        "The average over cycles alone is not enough, and no length that anybody waits for makes it so: a bed stays in "
+        "one of many states for hundreds to thousands of cycles, with small fluctuations about a level that is its "
+        f"own.  Each claim therefore carries {100 * BED_MEMORY:g} % for the state that its bed happens to be in, set "
+        "by other series of such beds, not by the cases in the table.  Packings are in different states and average "
+        "this part out.",
+        "",
+        *table(
+            [
+                "cases",
+                "drawn",
+                "steady",
+                "covered",
+                "by averaging alone",
+                "half-width",
+                "reference",
+                "off, rms",
+                "off, most",
+            ],
+            rows,
+        ),
         "",
     ]
 

@@ -117,7 +117,8 @@ def test_particles_that_move_along_weigh_on_the_mode(make_scene, loose_positions
     swings = from_decay(batch.records(0))
     expected = 40 / math.sqrt(1 + 1.7**2 * mass)
     assert np.mean([s.frequency for s in swings]) == pytest.approx(expected, rel=2e-4)
-    assert max(s.gamma for s in swings) < 0.06
+    sagging = 1.7**2 * mass  # where the particles rest the mode, over g: released from above that
+    assert max(s.gamma for s in swings) == pytest.approx(0.05 + sagging, rel=0.1)
 
 
 def test_one_ledger_over_structure_and_particles(make_scene, loose_positions):

@@ -19,7 +19,7 @@ contact: {restitution: 0.52, friction: 0.5}
 excitation: {gamma: [2, 3, 4, 5, 6, 7], frequency: 60 Hz}
 preparation: loose
 steady_state: {most_cycles: 30}
-accuracy: {tolerance: 4 %, most_packings: 6}
+accuracy: {tolerance: 5 %, most_packings: 6}
 """
 
 

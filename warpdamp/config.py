@@ -17,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from .config_coupled import CoupledConfig
 from .config_damper import (
     WALLS,
     ContactConfig,
@@ -99,6 +100,7 @@ class Config(Model):
     seeds: list[Annotated[StrictInt, Field(ge=0)]] = Field([1], min_length=1)
 
     sweep: SweepConfig | None = None
+    coupled: CoupledConfig | None = None
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 

@@ -79,21 +79,31 @@ def from_response(records: np.ndarray, mount: Mount, cycles: int) -> list[Identi
 
 
 def from_decay(records: np.ndarray) -> list[Identified]:
-    """Read a decay, swing by swing: the logarithmic decrement between successive maxima.
+    """Read a decay, swing by swing: the logarithmic decrement between successive swings.
 
-    Maxima are those of parabolas through the three highest records.
+    A swing goes from a maximum to the next minimum, so that the particles' weight, which shifts both, does not count.
     """
-    time, place = records[:, 0], records[:, 1]
-    k = 1 + np.flatnonzero((place[1:-1] > place[:-2]) & (place[1:-1] >= place[2:]) & (place[1:-1] > 0))
-    left, middle, right = place[k - 1], place[k], place[k + 1]
-    shift = 0.5 * (left - right) / (left - 2 * middle + right)
-    peak = middle - 0.25 * (left - right) * shift
-    moment = time[k] + shift * (time[1] - time[0])
+    time, place = records[:, 0], records[:, 1] - records[:, 1].mean()
+    moment, highest = _maxima(time, place)
+    below, lowest = _maxima(time, -place)
+    after = np.searchsorted(below, moment)
+    whole = after < len(below)
+    moment, swing = moment[whole], (highest[whole] + lowest[after[whole]]) / 2
     found = []
-    for (t0, a0), (t1, a1) in zip(zip(moment, peak, strict=True), zip(moment[1:], peak[1:], strict=True), strict=False):
+    for (t0, a0), (t1, a1) in zip(
+        zip(moment, swing, strict=True), zip(moment[1:], swing[1:], strict=True), strict=False
+    ):
         decrement = math.log(a0 / a1) / (2 * math.pi)
         damping = decrement / math.sqrt(1 + decrement**2)
         frequency = 1 / (t1 - t0) / math.sqrt(1 - damping**2)
         amplitude = math.sqrt(a0 * a1) * (2 * math.pi * frequency) ** 2 / STANDARD_GRAVITY
         found.append(Identified(amplitude, frequency, damping))
     return found
+
+
+def _maxima(time, value) -> tuple[np.ndarray, np.ndarray]:
+    """Moments and heights of the positive maxima: of parabolas through the three highest records."""
+    k = 1 + np.flatnonzero((value[1:-1] > value[:-2]) & (value[1:-1] >= value[2:]) & (value[1:-1] > 0))
+    left, middle, right = value[k - 1], value[k], value[k + 1]
+    shift = 0.5 * (left - right) / (left - 2 * middle + right)
+    return time[k] + shift * (time[1] - time[0]), middle - 0.25 * (left - right) * shift

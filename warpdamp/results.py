@@ -19,15 +19,18 @@ if TYPE_CHECKING:
 
 VARIABLES = {
     "energy_dissipated": ("J", "energy dissipated per cycle"),
-    "energy_dissipated_standard_error": ("J", "standard error of the energy dissipated per cycle"),
+    "energy_dissipated_standard_error": (
+        "J",
+        "standard error of the average over cycles of the energy dissipated per cycle",
+    ),
     "energy_dissipated_interval": (
         "J",
-        "half-width of the 95 % interval of the energy per cycle, by the averaging alone",
+        "half-width of the 95 % interval of the energy per cycle: averaging, and the state that the bed is in",
     ),
     "degrees_of_freedom": ("1", "of the standard error of the energy dissipated per cycle"),
     "discretisation_error": ("J", "error of the energy per cycle by the step, estimated from the ledger's residual"),
     "energy_mean": ("J", "energy dissipated per cycle, mean over packings"),
-    "energy_mean_standard_error": ("J", "standard error of the mean: packings, averaging and step"),
+    "energy_mean_standard_error": ("J", "standard error of the mean: packings, their states, averaging and step"),
     "energy_mean_interval": ("J", "half-width of the 95 % interval of the mean"),
     "packings": ("1", "packings that the mean is over"),
     "within_tolerance": ("1", "whether the mean's standard error is within accuracy.tolerance (1) or not (0)"),
@@ -87,6 +90,18 @@ VARIABLES = {
     "fitted_modal_constant": ("kg-1", "size of the modal constant fitted to the FRF"),
     "within_range": ("1", "whether Gamma lies in the range of the damper's results"),
     "inherent_damping": ("1", "damping ratio without the damper"),
+    # coupled runs (coupled_runs.py)
+    "structure_displacement": ("m", "displacement of the enclosure along the excitation"),
+    "structure_acceleration": ("m s-2", "acceleration of the enclosure along the excitation"),
+    "reaction": ("N", "force of the particles on the enclosure along the excitation"),
+    "applied_force": ("N", "force on the structure at the damper"),
+    "force_work": ("J", "work of the force on the structure"),
+    "structure_loss": ("J", "energy lost by the structure's own damping"),
+    "particle_loss": ("J", "energy lost in contacts"),
+    "closure": ("1", "energy of structure and particles not accounted for, over what was lost"),
+    "window_gamma": ("1", "acceleration amplitude over g, of a stretch of the record"),
+    "window_frequency": ("Hz", "natural frequency of the mode as it answers in that stretch"),
+    "window_damping_ratio": ("1", "damping ratio, inherent and by the damper, of the mode in that stretch"),
 }
 NOT_RUN = -1
 """Stands in integer variables for a case that was not run."""

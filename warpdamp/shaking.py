@@ -16,7 +16,7 @@ from .ledger import Ledger, apparent_mass, harmonic_work, maximum_energy
 from .packing import Request, prepare
 from .scene import Drive, Scene, State
 from .steady import Status, Steady, steady
-from .tolerance import RESIDUAL_FACTOR, SMALLEST_EFFECTIVENESS, student
+from .tolerance import RESIDUAL_FACTOR, SMALLEST_EFFECTIVENESS, single_interval
 
 FIRST_LOOKS, LOOKS = 10, 1.25
 """A series is looked at every ten cycles at first, and later whenever it has grown by a quarter."""
@@ -157,7 +157,7 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
     return values | {
         "energy_dissipated": average.mean,
         "energy_dissipated_standard_error": average.standard_error,
-        "energy_dissipated_interval": average.standard_error * student(average.degrees),
+        "energy_dissipated_interval": single_interval(average.mean, average.standard_error, average.degrees),
         "degrees_of_freedom": average.degrees,
         "discretisation_error": RESIDUAL_FACTOR * values["ledger_residual"] * average.mean,
         "status": int(_status(values, average, precise)),

@@ -18,7 +18,7 @@ from .timestep import FEWEST_STEPS_PER_CONTACT
 if TYPE_CHECKING:
     from .config import Config
 
-PRESETS = {"fast": 0.05, "balanced": 0.02, "reference": 0.005}
+PRESETS = {"fast": 0.05, "balanced": 0.03, "reference": 0.02}
 """Tolerances by name; what each of them chooses is in docs/accuracy.md."""
 
 STEP_ERROR = 0.005
@@ -31,6 +31,11 @@ STEP_SHARE = 1 / 3
 RESIDUAL_FACTOR = 2.5
 """What a case reckons its step error to be, over the ledger's residual.  Six points together show 0.7; upper bounds of
 single ones, in which chance is the most, reach 5.9 (docs/accuracy.md)."""
+
+BED_MEMORY = 0.04
+"""Relative standard error of what one bed says, however well its cycles are averaged: beds stay in one of many states
+for hundreds to thousands of cycles, and what a state dissipates differs.  Root mean square over beds of 30 to 120
+spheres (docs/accuracy.md); packings average it out."""
 
 SMALLEST_EFFECTIVENESS = 1e-3
 """Energies below this part of the ideal damper's count as nothing: no error is relative to less."""
@@ -46,7 +51,7 @@ class Plan:
     Parameters
     ----------
     steps_per_contact : float
-    standard_error : of one case, relative
+    standard_error : of the average over the cycles of one case, relative
     fewest_cycles : int
     """
 
@@ -134,7 +139,7 @@ class Answer:
     Parameters
     ----------
     mean : in the unit of the values
-    standard_error : of the mean: by the packings' spread, never below what their own errors give
+    standard_error : of the mean: by the packings' spread, never below what their own errors and memories give
     step_error : of the mean; packings share it, so that it does not average out
     interval : half-width of the 95 % interval: Student's t with the degrees of freedom of the larger statistical part,
         and twice the step's error
@@ -158,7 +163,7 @@ def combined(means, errors, degrees, steps=0.0, ran=True) -> Answer:
 
     Parameters
     ----------
-    means, errors : (..., n) mean and standard error of each packing
+    means, errors : (..., n) mean of each packing, and the standard error of its average over cycles
     degrees : (..., n) degrees of freedom of each error
     steps : (..., n) error of the step of each
     ran : (..., n) which of them there are
@@ -172,14 +177,25 @@ def combined(means, errors, degrees, steps=0.0, ran=True) -> Answer:
     n = ran.sum(axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = total(means) / n
-        within = np.sqrt(total(errors**2)) / n
+        own_error = single_error(means, errors)
+        within = np.sqrt(total(own_error**2)) / n
         between = np.where(n > 1, np.sqrt(total((means - mean[..., None]) ** 2) / ((n - 1) * n)), 0.0)
         step = total(steps) / n
-        own = total(errors**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
+        own = total(own_error**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
     own = np.where(within > 0, own, math.inf)
     error = np.maximum(within, between)
     interval = np.hypot(error * student(np.where(between > within, n - 1.0, own)), 2 * step)
     return Answer(mean, error, step, interval, n)
+
+
+def single_error(mean, error):
+    """Standard error of what one bed says: of its average over cycles, and by the state that it happens to be in."""
+    return np.hypot(error, BED_MEMORY * mean)
+
+
+def single_interval(mean: float, error: float, degrees: float) -> float:
+    """Half-width of the 95 % interval of what one bed says."""
+    return float(np.hypot(error * student(degrees), student(math.inf) * BED_MEMORY * mean))
 
 
 def student(degrees):

@@ -1,0 +1,340 @@
+"""Runs of a configuration in which the structure answers the particles: YAML in, a Dataset out."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor, as_completed
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import forces, guards
+from .coupling import Identified, from_decay, from_response, mount_of
+from .kernels.data import OK
+from .packing import Request, prepare
+from .scene import STANDARD_GRAVITY, Drive, Force, Mount, Scene
+from .sweep import grains, particle_mass, scene
+from .timestep import Numerics, contact_step
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from .config import Config
+    from .config_coupled import CoupledConfig
+    from .modal.modes import Modes
+
+RECORDS = 32
+"""To a period of the fastest thing that happens."""
+
+WINDOW = 10
+"""Cycles of a harmonic force over which a mode is read."""
+
+LEAST_DAMPING = 0.01
+"""Damping ratio with which the structure's largest speed is foreseen, if its own is less: the damper adds more."""
+
+AVERAGES = 8
+"""Pieces that the spectra of random and recorded forces are averaged over, half of each overlapping the next."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: a bed in a scene with its mount.
+
+    Parameters
+    ----------
+    bed : Request
+    scene : Scene, with its mount
+    dt : [s]
+    steps : int
+    """
+
+    bed: Request
+    scene: Scene
+    dt: float
+    steps: int
+
+
+def simulate(config: Config, executor: Executor, report: Callable[[float], None] = lambda done: None) -> xr.Dataset:
+    """All runs that the section ``coupled`` of a configuration asks for: its levels, and a bed for each seed.
+
+    Returns
+    -------
+    xarray.Dataset
+        Motion, force and reaction on (level, seed, time); energies on (level, seed).  With one mode and a harmonic
+        force or a release, the mode as it answers, on (level, seed, window); with any other force the accelerance on
+        (level, frequency), mean over seeds.
+
+    Raises
+    ------
+    ConfigError
+        If the configuration has no such section, or leaves a choice open.
+    SimulationError
+        If a run goes wrong.
+    """
+    runs, force = _runs(config)
+    futures = {executor.submit(advance, run): index for index, run in runs.items()}
+    found = {}
+    for future in as_completed(futures):
+        found[futures[future]] = future.result()
+        report(len(found) / len(futures))
+    return _assembled(config, runs, found, force)
+
+
+def advance(run: Run) -> dict:
+    """Carry out one run.
+
+    Returns
+    -------
+    dict
+        ``records``, (n, 4) as of ``Batch.records``; energies; ``cpu_time``.
+    """
+    from .engine import Batch, Case
+
+    state = prepare(run.bed).state
+    effects = run.bed.numerics.effects(run.scene, run.bed.grains)
+    most = 1 + (run.steps - 1) // run.scene.mount.record
+    batch = Batch([Case(run.scene, state, run.dt)], max_records=most, effects=effects)
+    first = batch.read()[0][1]
+    started = time.process_time()
+    batch.advance(run.steps)
+    spent = time.process_time() - started
+    if batch.status[0] != OK:
+        raise guards.SimulationError(
+            f"the run of seed {run.bed.seed} broke off at step {batch.steps[0]}: raise numerics.steps_per_contact, or "
+            "lower the force"
+        )
+    last = batch.read()[0][1]
+    ledger = replace(last, rows=np.concatenate([first.rows, last.rows]))
+    guards.check_run(ledger, run.dt)
+    lost = float(np.diff(ledger.dissipated)[0])
+    structure = ledger.change("structure_loss")
+    return {
+        "records": batch.records(0),
+        "force_work": ledger.change("force_work"),
+        "structure_loss": structure,
+        "particle_loss": lost,
+        "closure": abs(float(ledger.coupled_residual[-1])) / (lost + structure) if lost + structure else 0.0,
+        "cpu_time": spent,
+    }
+
+
+def _runs(config: Config) -> tuple[dict[tuple[int, int], Run], list[Force | None]]:
+    """Runs by (level, seed), and the force of each level."""
+    own = _own(config)
+    modes = _modes(config)
+    inherent = modes.inherent_damping
+    beds, base = grains(config), scene(config)
+    every = [_force(config, level) for level in own.levels]
+    mounts = [
+        mount_of(modes, inherent, force=force, position=_release(own, modes, level), direction=modes.direction)
+        for force, level in zip(every, own.levels, strict=True)
+    ]
+    fastest = max(_largest_speed(mount, modes, particle_mass(config), own.duration) for mount in mounts)
+    reference = own.harmonic.frequency if own.harmonic else max((*modes.frequency, *_band(own)))
+    numerics = Numerics(config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced())
+    drive = Drive(reference, 2 * math.pi * reference * fastest)
+    longest = contact_step(base.driven(drive), beds, steps_per_contact=numerics.steps_per_contact)
+    between = math.ceil(1 / (RECORDS * reference * longest))
+    dt = 1 / (RECORDS * reference * between)
+    steps = math.ceil(own.duration / dt)
+    runs = {}
+    for i, mount in enumerate(mounts):
+        for j, seed in enumerate(config.seeds):
+            request = Request(base, beds, seed, config.preparation, numerics=numerics)
+            runs[i, j] = Run(request, base.mounted(replace(mount, record=between)), dt, steps)
+    return runs, every
+
+
+def _own(config: Config) -> CoupledConfig:
+    """The section ``coupled``, if the rest of the configuration goes with it."""
+    from .cases import Cases
+
+    own = config.coupled
+    if own is None:
+        raise config.error("coupled", "missing: it says what moves the structure, as release: {gamma: 10, mode: 1}")
+    if config.structure is None:
+        raise config.error("structure", "missing: there is nothing to answer the particles")
+    if config.structure.particles_included:
+        raise config.error("structure.particles_included", "is true, and a coupled run adds the particles itself")
+    if len([point for point in Cases(config).points() if not point.refused]) > 1:
+        raise config.error("coupled", "takes single values, and the study sweeps some: run one combination at a time")
+    if own.release and own.release.mode not in (known := _modes(config).number):
+        listed = ", ".join(map(str, known))
+        raise config.error("coupled.release.mode", f"there is no mode {own.release.mode}; the structure has {listed}")
+    if config.preparation == "carried":
+        raise config.error("preparation", "'carried' is for studies of several amplitudes: take loose or compacted")
+    return own
+
+
+def _modes(config: Config) -> Modes:
+    from .sources import modes
+
+    return modes(config, particles=0.0)
+
+
+def _force(config: Config, level: float) -> Force | None:
+    own = config.coupled
+    if own.harmonic:
+        return Force(level * own.harmonic.amplitude, own.harmonic.frequency)
+    if own.release:
+        return None
+    try:
+        if own.swept:
+            samples, step = forces.swept(own.swept, own.duration)
+        elif own.random:
+            samples, step = forces.random(own.random, own.duration)
+        else:
+            samples, step = forces.recorded(config.folder / own.recorded.file)
+    except (OSError, ValueError) as error:
+        raise config.error(f"coupled.{own.source}", str(error)) from None
+    return Force(samples=level * samples, sample_step=step)
+
+
+def _release(own: CoupledConfig, modes: Modes, level: float) -> tuple[float, ...]:
+    """Modal coordinates at the start."""
+    place = np.zeros(len(modes.number))
+    if own.release:
+        k = int(np.flatnonzero(modes.number == own.release.mode)[0])
+        acceleration = level * own.release.gamma * STANDARD_GRAVITY
+        place[k] = acceleration / (2 * math.pi * modes.frequency[k]) ** 2 / modes.amplitude[k]
+    return tuple(place)
+
+
+def _band(own: CoupledConfig) -> tuple[float, ...]:
+    """Highest frequency of a force that has one."""
+    ranged = own.swept or own.random
+    return (max(ranged.from_, ranged.to),) if ranged else ()
+
+
+def _largest_speed(mount: Mount, modes: Modes, particles: float, duration: float) -> float:
+    """Of the enclosure [m/s], if the particles were one rigid mass: the step is chosen for it."""
+    from scipy.signal import lsim
+
+    if mount.force is None:
+        return mount.speed
+    time, force = _sampled(mount.force, duration)
+    loaded = modes.with_mass(particles)
+    speed = np.zeros(len(time))
+    for f, phi, own in zip(loaded.frequency, loaded.amplitude, loaded.inherent_damping, strict=True):
+        w, zeta = 2 * math.pi * f, max(own, LEAST_DAMPING)
+        system = ([[0, 1], [-(w**2), -2 * zeta * w]], [[0], [phi]], [[0, phi]], [[0]])
+        speed += lsim(system, force, time)[1]
+    return float(np.abs(speed).max())
+
+
+def _sampled(force: Force, duration: float) -> tuple[np.ndarray, np.ndarray]:
+    """A force as samples, evenly spaced [s], [N]."""
+    if force.samples is not None:
+        return np.arange(len(force.samples)) * force.sample_step, force.samples
+    time = np.arange(math.ceil(duration * force.frequency * forces.SAMPLES) + 1) / (force.frequency * forces.SAMPLES)
+    return time, force.amplitude * np.sin(2 * math.pi * force.frequency * time)
+
+
+def applied(force: Force, time: np.ndarray) -> np.ndarray:
+    """A force at given moments [N]."""
+    whole = force.amplitude * np.sin(2 * math.pi * force.frequency * time) if force.amplitude else np.zeros(len(time))
+    if force.samples is not None:
+        whole += np.interp(time, np.arange(len(force.samples)) * force.sample_step, force.samples)
+    return whole
+
+
+def _assembled(config: Config, runs, found, every) -> xr.Dataset:
+    import xarray as xr
+
+    from .config import resolved_yaml
+    from .results import describe, provenance
+
+    own, seeds = config.coupled, config.seeds
+    shape = (len(own.levels), len(seeds))
+    records = np.array([[found[i, j]["records"] for j in range(shape[1])] for i in range(shape[0])])
+    time = records[0, 0, :, 0]
+    series = ("level", "seed", "time")
+    data = {
+        "structure_displacement": (series, records[..., 1]),
+        "structure_acceleration": (series, records[..., 2]),
+        "reaction": (series, records[..., 3]),
+    }
+    if not own.release:
+        data["applied_force"] = (("level", "time"), np.array([applied(force, time) for force in every]))
+    for name in ("force_work", "structure_loss", "particle_loss", "closure", "cpu_time"):
+        data[name] = (("level", "seed"), [[found[i, j][name] for j in range(shape[1])] for i in range(shape[0])])
+    dataset = xr.Dataset(data, {"level": own.levels, "seed": seeds, "time": ("time", time, {"units": "s"})})
+    dataset = dataset.merge(_identified(own, runs, found, shape))
+    dataset = describe(dataset)
+    dataset.attrs = {"title": f"{config.title}, coupled", **provenance(), "configuration": resolved_yaml(config)}
+    return dataset
+
+
+def _identified(own: CoupledConfig, runs, found, shape) -> xr.Dataset:
+    """What an experimenter would read off the records."""
+    import xarray as xr
+
+    mount = runs[0, 0].scene.mount
+    if own.source in ("harmonic", "release"):
+        if len(mount.frequency) > 1:
+            return xr.Dataset()
+        read = {
+            index: from_response(one["records"], runs[index].scene.mount, WINDOW)
+            if own.harmonic
+            else from_decay(one["records"])
+            for index, one in found.items()
+        }
+        return _windows(read, shape)
+    step = runs[0, 0].dt * mount.record
+    curves = []
+    for i in range(shape[0]):
+        force = runs[i, 0].scene.mount.force
+        pairs = [
+            (applied(force, one["records"][:, 0]), one["records"][:, 2]) for (k, _), one in found.items() if k == i
+        ]
+        frequency, curve = accelerance(pairs, step, 1 if own.swept else AVERAGES)
+        curves.append(curve)
+    band = own.swept or own.random
+    kept = slice(None)
+    if band:
+        low, high = sorted((band.from_, band.to))
+        kept = (frequency >= low) & (frequency <= high)
+    curves = np.array(curves)[:, kept]
+    dims = ("level", "frequency")
+    curve = xr.Dataset(
+        {"accelerance_real": (dims, curves.real), "accelerance_imaginary": (dims, curves.imag)},
+        {"frequency": ("frequency", frequency[kept], {"units": "Hz"})},
+    )
+    return curve.squeeze("level", drop=True) if shape[0] == 1 else curve  # one curve is what `fit` reads
+
+
+def accelerance(pairs, step: float, pieces: int) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies [Hz] and accelerance H1 = S_fa / S_ff of records (force, acceleration), spectra averaged over all."""
+    from scipy.signal import csd, welch
+
+    n = len(pairs[0][0])
+    length = 2 * n // (pieces + 1)
+    options = {
+        "fs": 1 / step,
+        "nperseg": min(n, length),
+        "window": "hann" if pieces > 1 else "boxcar",
+        "detrend": False,
+    }
+    frequency, _ = welch(pairs[0][0], **options)
+    cross = sum(csd(force, acceleration, **options)[1] for force, acceleration in pairs)
+    power = sum(welch(force, **options)[1] for force, _ in pairs)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return frequency, cross / power
+
+
+def _windows(read: dict[tuple[int, int], list[Identified]], shape) -> xr.Dataset:
+    import xarray as xr
+
+    longest = max(len(one) for one in read.values())
+    values = np.full((3, *shape, longest), np.nan)
+    for (i, j), one in read.items():
+        for k, window in enumerate(one):
+            values[:, i, j, k] = window.gamma, window.frequency, window.damping
+    dims = ("level", "seed", "window")
+    names = ("window_gamma", "window_frequency", "window_damping_ratio")
+    return xr.Dataset(
+        {name: (dims, own) for name, own in zip(names, values, strict=True)}, {"window": np.arange(1, longest + 1)}
+    )
