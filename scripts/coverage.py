@@ -30,7 +30,7 @@ ROOT = Path(__file__).parents[1]
 RADIUS, TOLERANCE = 3.73e-3, 0.05
 FILLS, SEEDS, DRAWS = {30: 0.42, 60: 0.46, 90: 0.48, 120: 0.519}, (1, 2, 3), 9
 """Spheres, and the part of the cavity that they fill: near walls fewer fit."""
-LONGER, FEWEST_LONGER, MOST = 8, 300, 400
+LONGER, FEWEST_LONGER, FEWEST, MOST = 8, 300, 30, 400
 
 
 def bed(count: int, seed: int) -> Request:
@@ -47,7 +47,7 @@ def _plan():
 
 def drawn() -> list[Spec]:
     """The cases."""
-    rng = np.random.default_rng(2026)
+    rng = np.random.default_rng(3)
     specs = []
     for count in FILLS:
         for seed in SEEDS:
@@ -63,7 +63,7 @@ def drawn() -> list[Spec]:
 def compare(spec: Spec) -> dict:
     """What a case claims, and what it does afterwards."""
     chosen = _plan()
-    ((_, claim),) = shake([[spec]], Criteria(chosen.standard_error, chosen.fewest_cycles, MOST))
+    ((_, claim),) = shake([[spec]], Criteria(chosen.standard_error, FEWEST, MOST))
     cycles = claim["cycles"]
     total = cycles + max(FEWEST_LONGER, LONGER * cycles)
     batch = Batch([Case(spec.scene, prepare(spec.bed).state, spec.dt)], max_rows=total + 1, effects=spec.effects)

@@ -59,7 +59,7 @@ def cost_of_guards():
     ]
     for name, call in (
         ("values at the start", lambda: check_values(state)),
-        ("overlaps at the start (pairs given)", lambda: check_overlaps(s, state, state.pairs)),
+        ("overlaps at the start (pairs given)", lambda: check_overlaps(s, state, [state.pairs])),
         ("overlap and ledger at the end", lambda: check_run(ledger, 1e-6)),
     ):
         times = []

@@ -223,7 +223,7 @@ class Batch:
     def _check_overlaps(self):
         self._find_neighbours(True)
         for k, case in enumerate(self.cases):
-            guards.check_overlaps(case.scene, case.state, self._transfer.listed(k, self._contacts)[0])
+            guards.check_overlaps(case.scene, case.state, self._transfer.listed(k, self._contacts))
 
     @property
     def steps(self) -> np.ndarray:
@@ -308,7 +308,8 @@ class Batch:
         p, c, t = self._particles, self._contacts, self._types
         copy_p, copy_c = wp.clone(p), t.Contacts()
         for name in t.Contacts.vars:
-            setattr(copy_c, name, wp.clone(getattr(c, name)))
+            changes = name.startswith(("pair_", "wall_")) and name != "wall_laws"
+            setattr(copy_c, name, wp.clone(getattr(c, name)) if changes else getattr(c, name))
         copy_m = t.Mount()
         for name in t.Mount.vars:
             value = getattr(self._mount, name)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from .ledger import Ledger
@@ -37,13 +39,13 @@ def check_values(state: State) -> None:
         raise ValueError(f"the radius of particle {int(np.argmin(state.radius))} is not positive")
 
 
-def check_overlaps(scene: Scene, state: State, pairs: np.ndarray) -> None:
+def check_overlaps(scene: Scene, state: State, parts: Iterable[np.ndarray]) -> None:
     """Refuse a start from which overlaps would release energy that nobody put in.
 
     Parameters
     ----------
-    pairs : (m, 2) array
-        All pairs that are near each other.
+    parts : (m, 2) arrays
+        All pairs that are near each other, some at a time.
 
     Raises
     ------
@@ -51,13 +53,15 @@ def check_overlaps(scene: Scene, state: State, pairs: np.ndarray) -> None:
         If a pair, or a particle and a wall, overlap by more than ``DEEPEST_START``; says which, and what to do.
     """
     deepest, where = 0.0, ""
-    if len(pairs):
+    for pairs in parts:
+        if not len(pairs):
+            continue
         i, j = pairs.T
         reach = state.radius[i] + state.radius[j]
         overlap = reach - np.linalg.norm(state.position[i] - state.position[j], axis=1)
         relative = overlap / np.minimum(state.radius[i], state.radius[j])
         k = int(np.argmax(relative))
-        deepest, where = float(relative[k]), f"particles {i[k]} and {j[k]}"
+        deepest, where = max((deepest, where), (float(relative[k]), f"particles {i[k]} and {j[k]}"))
     if scene.enclosure:
         wall, which = _deepest_wall(scene, state)
         deepest, where = max((deepest, where), (wall, which))

@@ -32,9 +32,9 @@ RESIDUAL_FACTOR = 2.5
 """What a case reckons its step error to be, over the ledger's residual.  Six points together show 0.7; upper bounds of
 single ones, in which chance is the most, reach 5.9 (docs/accuracy.md)."""
 
-BED_MEMORY = 0.04
+BED_MEMORY = 0.05
 """Relative standard error of what one bed says, however well its cycles are averaged: beds stay in one of many states
-for hundreds to thousands of cycles, and what a state dissipates differs.  Root mean square over beds of 30 to 120
+for hundreds to thousands of cycles, and what a state dissipates differs.  Root mean square over 141 beds of 30 to 120
 spheres (docs/accuracy.md); packings average it out."""
 
 SMALLEST_EFFECTIVENESS = 1e-3
@@ -52,12 +52,10 @@ class Plan:
     ----------
     steps_per_contact : float
     standard_error : of the average over the cycles of one case, relative
-    fewest_cycles : int
     """
 
     steps_per_contact: float
     standard_error: float
-    fewest_cycles: int
 
 
 def step_error(steps_per_contact: float) -> float:
@@ -75,7 +73,7 @@ def plan(tolerance: float) -> Plan:
     wanted = 24 * math.sqrt(STEP_ERROR / (STEP_SHARE * tolerance))
     steps = min(max(wanted, FEWEST_STEPS_PER_CONTACT), FINEST)
     left = math.sqrt(max(tolerance**2 - step_error(steps) ** 2, (0.5 * tolerance) ** 2))
-    return Plan(steps, left, 20 if tolerance >= 0.05 else 30)
+    return Plan(steps, left)
 
 
 def applied(config: Config) -> Config:
@@ -95,9 +93,7 @@ def applied(config: Config) -> Config:
             raise config.error(f"{section}.{key}", "is chosen by accuracy.tolerance: leave one of the two out")
     if config.numerics.step != "auto" or config.steady_state.recipe != "detect":
         raise config.error("accuracy", "chooses the step and the length of a run: leave numerics.step and recipe out")
-    steady = config.steady_state.model_copy(
-        update={"standard_error": chosen.standard_error, "fewest_cycles": chosen.fewest_cycles}
-    )
+    steady = config.steady_state.model_copy(update={"standard_error": chosen.standard_error})
     numerics = config.numerics.model_copy(update={"steps_per_contact": chosen.steps_per_contact})
     given = "seeds" in config.model_fields_set or (config.sweep and config.sweep.varies("seed", "seeds"))
     seeds = config.seeds if given else list(range(1, config.accuracy.most_packings + 1))

@@ -6,6 +6,8 @@ neighbours in memory; their own numbers come back when a state is read.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import warp as wp
 
@@ -26,7 +28,7 @@ def numbering(position: np.ndarray) -> np.ndarray:
     position : (n, 3) array
     """
     if len(position) < FEWEST_ORDERED:
-        return np.arange(len(position))
+        return np.arange(len(position), dtype=np.int32)
     low = position.min(axis=0)
     width = float(np.max(position.max(axis=0) - low)) or 1.0
     cell = np.minimum((position - low) / width * 2**CURVE_BITS, 2**CURVE_BITS - 1).astype(np.int64)
@@ -34,7 +36,7 @@ def numbering(position: np.ndarray) -> np.ndarray:
     for bit in range(CURVE_BITS):
         for axis in range(3):
             curve |= (cell[:, axis] >> bit & 1) << (3 * bit + axis)
-    return np.argsort(curve, kind="stable")
+    return np.argsort(curve, kind="stable").astype(np.int32)
 
 
 class Transfer:
@@ -59,97 +61,117 @@ class Transfer:
         """On the device."""
         return wp.array(np.ascontiguousarray(values), dtype=dtype, device=DEVICE)
 
-    def of_all(self, values: list[np.ndarray]) -> np.ndarray:
-        """One array a case to one for all, in the device's order."""
-        return np.concatenate([v[order] for v, order in zip(values, self.order, strict=True)])
+    def _set(self, column: np.ndarray, values: list[np.ndarray]) -> None:
+        """Fill a column of the device, one array a case, in the device's order."""
+        for first, own, order in zip(self.first, values, self.order, strict=False):
+            column[first : first + len(order)] = own[order]
 
     def particles(self, masses: list[np.ndarray]) -> wp.array:
         """The array of particles, of the given ``masses`` in each case [kg]."""
+        particles = wp.zeros(len(self), dtype=self.types.Particle, device=DEVICE)
+        columns = particles.numpy()  # the device's own memory: large beds are not copied
         radius = [s.radius for s in self.states]
-        given = {
-            "inverse_mass": [1 / m for m in masses],
-            "inverse_inertia": [2.5 / (m * r**2) for m, r in zip(masses, radius, strict=True)],
-        }
-        values = np.zeros(len(self), dtype=self.types.Particle.numpy_dtype())
-        for name in values.dtype.names:
-            if name not in ("force", "torque", "listed", "returned"):
-                field = name.removeprefix("half_")
-                each = given[name] if name in given else [getattr(s, field) for s in self.states]
-                values[name] = self.of_all(each)
-        return wp.array(values, dtype=self.types.Particle, device=DEVICE)
+        for name in columns.dtype.names:
+            if name == "inverse_mass":
+                own = [1 / m for m in masses]
+            elif name == "inverse_inertia":
+                own = [2.5 / (m * r**2) for m, r in zip(masses, radius, strict=True)]
+            elif name in ("force", "torque", "listed", "returned"):
+                continue
+            else:
+                own = [getattr(s, name.removeprefix("half_")) for s in self.states]
+            self._set(columns[name], own)
+        return particles
 
     def contacts(self, laws: dict[str, list]):
         """The struct of contacts that the states remember, with tables of ``laws``."""
         numbered = [_numbered(s, order) for s, order in zip(self.states, self.order, strict=True)]
         pairs = np.concatenate([p + first for (p, _, _), first in zip(numbered, self.first[:-1], strict=True)])
         history = np.concatenate([history for _, history, _ in numbered])
-        walls = self.of_all([s.wall_history for s in self.states]).reshape(-1, 4)
         values = {
             "start": np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(self)))]),
             "partner": pairs[:, 1],
             "pair_radius": history[:, 3],
             "pair_stretch": history[:, :3],
             "pair_roll": np.concatenate([roll for _, _, roll in numbered]),
-            "wall_radius": walls[:, 3],
-            "wall_stretch": walls[:, :3],
-            "wall_roll": self.of_all([s.wall_roll for s in self.states]).reshape(-1, 3),
+        }
+        walls = {
+            "wall_radius": [s.wall_history[..., 3] for s in self.states],
+            "wall_stretch": [s.wall_history[..., :3] for s in self.states],
+            "wall_roll": [s.wall_roll for s in self.states],
         }
         c = self.types.Contacts()
         for name, variable in self.types.Contacts.vars.items():
             dtype = variable.type.dtype
-            table = (
-                wp.array(laws[name], dtype=dtype, device=DEVICE) if name in laws else self.array(values[name], dtype)
-            )
+            if name in laws:
+                table = wp.array(laws[name], dtype=dtype, device=DEVICE)
+            elif name in walls:
+                table = wp.zeros(3 * len(self), dtype=dtype, device=DEVICE)
+                column = table.numpy()
+                self._set(column.reshape(len(self), 3, *column.shape[1:]), walls[name])
+            else:
+                table = self.array(values[name], dtype)
             setattr(c, name, table)
         return c
 
-    def listed(self, k: int, contacts) -> tuple[np.ndarray, slice]:
-        """Pairs in the neighbour list of case ``k``, (m, 2), in its own numbers, and where they lie in the list."""
-        first, last = self.first[k], self.first[k + 1]
-        start = contacts.start.numpy()[first : last + 1]
-        rows = slice(start[0], start[-1])
-        owner = np.repeat(np.arange(last - first), np.diff(start))
-        return self.order[k][np.stack([owner, contacts.partner.numpy()[rows] - first], axis=1)], rows
+    def listed(self, k: int, contacts, part: int = 10_000) -> Iterator[np.ndarray]:
+        """Pairs in the neighbour list of case ``k``, (m, 2), in its own numbers, of ``part`` particles at a time."""
+        first, last, order = self.first[k], self.first[k + 1], self.order[k]
+        start, partner = contacts.start.numpy(), contacts.partner.numpy()
+        for low in range(first, last, part):
+            high = min(low + part, last)
+            owner = np.repeat(np.arange(low, high), np.diff(start[low : high + 1]))
+            yield order[np.stack([owner, partner[start[low] : start[high]]], axis=1) - first]
 
     def state(self, k: int, particles, contacts) -> State:
         """State of case ``k``; what no effect asks for stays as it was at the start."""
         before, first, last = self.states[k], self.first[k], self.first[k + 1]
         n = last - first
         back = np.argsort(self.order[k])
-
-        own = particles.numpy()[first:last]
+        own, known = particles.numpy()[first:last], self.types.Contacts.vars
 
         def of_particles(name, start):
-            return own[name].astype(float)[back] if name in own.dtype.names else start.copy()
+            return own[name][back].astype(float, copy=False) if name in own.dtype.names else start.copy()
 
-        def of_walls(name, *shape):
-            if name not in self.types.Contacts.vars:
-                return np.zeros((n, 3, *shape))
-            return getattr(contacts, name).numpy()[3 * first : 3 * last].astype(float).reshape(n, 3, *shape)[back]
+        def of_walls(name):
+            column = getattr(contacts, name).numpy()
+            return column[3 * first : 3 * last].reshape(n, 3, *column.shape[1:])[back]
 
-        pairs, rows = self.listed(k, contacts)
-
-        def of_pairs(name, *shape):
-            if name not in self.types.Contacts.vars:
-                return np.zeros((len(pairs), *shape))
-            return getattr(contacts, name).numpy()[rows].astype(float)
-
-        radius = of_pairs("pair_radius")
-        touching = radius > 0
-        turned = _orientation(pairs)
-        history = np.concatenate([turned * of_pairs("pair_stretch", 3), radius[:, None]], axis=1)
+        wall_history, wall_roll = np.zeros((n, 3, 4)), np.zeros((n, 3, 3))
+        if "wall_radius" in known:
+            wall_history[..., 3] = of_walls("wall_radius")
+        if "wall_stretch" in known:
+            wall_history[..., :3] = of_walls("wall_stretch")
+        if "wall_roll" in known:
+            wall_roll[:] = of_walls("wall_roll")
         return State(
             position=of_particles("position", before.position),
             velocity=of_particles("half_velocity", before.velocity),
             spin=of_particles("half_spin", before.spin),
             radius=before.radius.copy(),
-            pairs=np.sort(pairs, axis=1)[touching],
-            pair_history=history[touching],
-            wall_history=np.concatenate([of_walls("wall_stretch", 3), of_walls("wall_radius")[..., None]], axis=2),
             species=before.species.copy(),
-            pair_roll=(turned * of_pairs("pair_roll", 3))[touching],
-            wall_roll=of_walls("wall_roll", 3),
+            wall_history=wall_history,
+            wall_roll=wall_roll,
+            **self._touching(k, contacts),
         )
+
+    def _touching(self, k: int, contacts) -> dict[str, np.ndarray]:
+        """The pairs of case ``k`` that touch, and what they remember."""
+        if "pair_radius" not in self.types.Contacts.vars:
+            return {"pairs": np.zeros((0, 2), np.int32), "pair_history": np.zeros((0, 4))}
+        first, last = self.first[k], self.first[k + 1]
+        start = contacts.start.numpy()[first : last + 1]
+        rows = start[0] + np.flatnonzero(contacts.pair_radius.numpy()[start[0] : start[-1]] > 0)
+        owner = np.searchsorted(start, rows, side="right") - 1
+        pairs = self.order[k][np.stack([owner, contacts.partner.numpy()[rows] - first], axis=1)]
+        turned = _orientation(pairs)
+        history, roll = np.zeros((len(rows), 4)), np.zeros((len(rows), 3))
+        history[:, 3] = contacts.pair_radius.numpy()[rows]
+        if "pair_stretch" in self.types.Contacts.vars:
+            history[:, :3] = turned * contacts.pair_stretch.numpy()[rows]
+        if "pair_roll" in self.types.Contacts.vars:
+            roll[:] = turned * contacts.pair_roll.numpy()[rows]
+        return {"pairs": np.sort(pairs, axis=1), "pair_history": history, "pair_roll": roll}
 
 
 def _numbered(state: State, order: np.ndarray):

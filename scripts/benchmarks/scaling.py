@@ -70,7 +70,7 @@ def memory() -> dict[str, list[float]]:
     bed(many)  # made here, not in the process that is measured
     base, peak = in_fresh_process(_peaks_of_bed, few), in_fresh_process(_peaks_of_bed, many)
     stepping, whole = ((most - least) / (many - few) for least, most in zip(base, peak, strict=True))
-    return {"memory_stepping": [stepping], "memory_per_particle": [whole]}
+    return {"memory_stepping": [stepping], "memory_with_copy": [whole]}
 
 
 def _peaks_of_bed(count: int) -> tuple[int, int]:
