@@ -47,6 +47,7 @@ def study(apparent, quadrature, gamma=(0.5, 1.0, 2.0, 4.0, 8.0), modes=slice(Non
             "excitation_frequency": ("frequency", frequency),
             "natural_frequency": ("mode", frequency),
             "mode_amplitude": ("mode", phi),
+            "inherent_damping": ("mode", np.full(len(phi), inherent)),
             "damping_ratio": (("mode", "gamma"), zeta),
             "damping_ratio_standard_error": (("mode", "gamma"), 0 * zeta),
         },

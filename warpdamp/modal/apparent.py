@@ -18,7 +18,7 @@ import numpy as np
 
 from ..results import describe, ran
 from . import ModalError
-from .damping import damping_ratio, strain_energy
+from .damping import strain_energy
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -86,7 +86,7 @@ def corrected(dataset: xr.Dataset) -> xr.Dataset:
     empty, _ = modes(-particles * xr.ones_like(own))
     frequency, shape = modes(felt["apparent_mass"] - particles)
     displacement = per_mode(dataset, dataset["displacement"])
-    inherent = inherent_damping(dataset)
+    inherent = dataset["inherent_damping"]
     out = felt.assign(
         natural_frequency=own,
         empty_natural_frequency=empty,
@@ -141,15 +141,6 @@ def loaded_modes(frequency, amplitude, extra) -> tuple[np.ndarray, np.ndarray]:
         found[1, ..., r] = found[0, ..., r] * np.einsum("...i,...i->...", lean, vector)
     found[:, ~known] = np.nan
     return found[0] / (2 * np.pi), np.copysign(found[1], amplitude)
-
-
-def inherent_damping(dataset: xr.Dataset) -> xr.DataArray:
-    """Damping ratio of each mode of the bare structure: what the particles' energy does not account for."""
-    energy = per_mode(dataset, dataset["energy_dissipated"]).mean("seed")
-    displacement = per_mode(dataset, dataset["displacement"])
-    own = damping_ratio(energy, displacement, dataset["mode_amplitude"], dataset["natural_frequency"])
-    rest = (dataset["damping_ratio"] - own).median([d for d in dataset["damping_ratio"].dims if d != "mode"])
-    return rest.where(rest > 1e-12, 0.0)  # a difference of equal numbers leaves rounding
 
 
 def per_mode(dataset: xr.Dataset, values):

@@ -20,7 +20,7 @@ import numpy as np
 from ..results import describe
 from ..scene import STANDARD_GRAVITY
 from . import ModalError
-from .apparent import ComplexMass, inherent_damping, particle_mass, require_modes
+from .apparent import ComplexMass, particle_mass, require_modes
 from .response import branches
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class Structure:
         return cls(
             dataset["natural_frequency"].values,
             dataset["mode_amplitude"].values,
-            inherent_damping(dataset).values,
+            dataset["inherent_damping"].values,
             float(particle_mass(dataset)),
         )
 
