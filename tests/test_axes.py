@@ -155,6 +155,21 @@ def test_exclusions_and_combinations_that_cannot_be(study):
     assert "too many particles" in next(iter(made.refused.values()))
 
 
+def test_a_damper_on_a_node_is_one_combination_that_cannot_be(config_path, tmp_path):
+    """Mode 2 of a symmetric beam has a node at its centre: there only; where nothing of it is swept, that stops the study."""
+    text = config_path.read_text().replace("modes: [1, 3, 5]", "modes: [1, 2]")
+    path = tmp_path / "study.yaml"
+    path.write_text(text + "sweep: {product: {point_mass.position: [200 mm, 290 mm]}}\n")
+    made = plan(Cases(load(path)))
+    fate = made.fate.reshape(made.cases.shape)  # frequency, gamma, position, seed
+    assert (fate[:, :, 1] == REFUSED).all()
+    assert (fate[:, :, 0] != REFUSED).all()
+    assert "mode 2 has a node where the damper sits" in made.refused[(1,)]
+    path.write_text(text + "sweep: {product: {contact.friction: [0.1, 0.2]}}\n")
+    with pytest.raises(ConfigError, match="mode 2 has a node"):
+        plan(Cases(load(path)))
+
+
 def test_a_case_is_known_by_what_it_depends_on(study):
     """The same key in another sweep; another key for another physics, step, criterion or history."""
     small, large = (

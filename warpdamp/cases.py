@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, coordinate_names, dotted, leaves, put, tree, tree_copy
-from .config import Config
+from .config import Config, ConfigError
 from .excluded import Exclusions
 from .sweep import as_list, drive, grains, particle_mass, scene
 from .sweep_reader import read_axes
@@ -150,7 +150,12 @@ class Cases:
         single._source = self.config._source
         if single.excitation.frequency != "modes":
             return Point(index, single, None, tuple(as_list(single.excitation.frequency)))
-        own = self._own_modes(single)
+        try:
+            own = self._own_modes(single)
+        except ConfigError as problem:
+            if not any(path[0] == "structure" for axis in self.axes for path in axis.paths):
+                raise
+            return Point(index, None, refused=str(problem))  # here only: a damper on a node, a mode that is not there
         if "shape" in vars(self) and len(own.number) != self.shape[0]:
             return Point(index, None, refused="the structure has other modes here: name them in structure.modes")
         # to a microhertz: an eigensolver's last bits depend on the machine, and beds are chaotic
