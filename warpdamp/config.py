@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import io
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
 from pydantic import (
-    BaseModel,
     Field,
     PrivateAttr,
     StrictInt,
@@ -27,6 +24,7 @@ from .config_damper import (
     MaterialConfig,
     between,
 )
+from .config_errors import explained, keys, place, suggestion, telling
 from .config_sweep import SweepConfig
 from .fields import POSITIVE as _positive
 from .fields import Model
@@ -111,7 +109,7 @@ class Config(Model):
         if self._source is None:
             return ConfigError(said)
         path, data = self._source
-        return ConfigError(_printable(f"{path}:{_place(data, parts)}: {said}"))
+        return ConfigError(_printable(f"{path}:{place(data, parts)}: {said}"))
 
     @property
     def folder(self) -> Path:
@@ -123,7 +121,7 @@ class Config(Model):
         if self._source is None:
             return None
         data, parts = self._source[1], key.split(".")
-        return int(_place(data, parts).split(":")[0]) if len(_keys(data, parts)) == len(parts) else None
+        return int(place(data, parts).split(":")[0]) if len(keys(data, parts)) == len(parts) else None
 
     @model_validator(mode="after")
     def _consistent(self):
@@ -131,9 +129,9 @@ class Config(Model):
         own = self.structure.material if self.structure else None
         if own:
             named[f"structure.{self.structure.source}.material"] = own
-        for place, name in named.items():
+        for where, name in named.items():
             if name not in self.materials:
-                raise ValueError(f"{place}: there is no material '{name}'{_suggestion(name, self.materials)}")
+                raise ValueError(f"{where}: there is no material '{name}'{suggestion(name, self.materials)}")
         for name in self.materials:
             if name not in named.values():
                 raise ValueError(f"materials.{name}: is not used by anything")
@@ -172,7 +170,8 @@ def load(path) -> Config:
     try:
         config = Config.model_validate(_plain(data))
     except ValidationError as error:
-        lines = [f"{path}:{_place(data, e['loc'])}: {_explained(e)}" for e in _telling(error.errors(), data)]
+        errors = telling(error.errors(), data, Config)
+        lines = [f"{path}:{place(data, e['loc'])}: {explained(e, Config)}" for e in errors]
         raise ConfigError("\n".join(map(_printable, lines))) from None
     config._source = (path, data)
     from .cases import Cases
@@ -230,106 +229,3 @@ def _plain(node: Any) -> Any:
         if isinstance(node, kind):
             return kind(node)
     return str(node)
-
-
-def _keys(data, loc) -> list:
-    """The part of a pydantic location that exists in the YAML tree (unions add names of their own)."""
-    keys, node = [], data
-    for part in loc:
-        if isinstance(node, dict) and part in node:
-            node = node[part]
-            keys.append(part)
-        elif isinstance(node, list) and isinstance(part, int) and part < len(node):
-            node = node[part]
-            keys.append(part)
-    return keys
-
-
-def _place(data, loc) -> str:
-    """line:column of the innermost key of a location."""
-    node, place = data, (0, 0)
-    for key in _keys(data, loc):
-        place = node.lc.item(key) if isinstance(key, int) else node.lc.key(key)
-        node = node[key]
-    return f"{place[0] + 1}:{place[1] + 1}"
-
-
-def _telling(errors, data):
-    """The errors worth a line: one a place, the most telling branch of a union, no echo of a misspelt key."""
-    best: dict = {}
-    for error in errors:
-        loc = tuple(part for part in error["loc"] if not _is_union_name(part))
-        loc, message = _pointed(loc, error["msg"].removeprefix("Value error, "), data)
-        rank = error["type"] in ("list_type", "literal_error")
-        if loc not in best or rank < best[loc][0]:
-            best[loc] = (rank, error | {"loc": loc, "msg": message})
-    misspelt = {
-        (*loc[:-1], _closest(loc[-1], _known_keys(loc[:-1])))
-        for loc, (_, error) in best.items()
-        if error["type"] == "extra_forbidden"
-    }
-    return [
-        error
-        for loc, (_, error) in best.items()
-        if not (error["type"] == "missing" and loc in misspelt)
-        and not (loc and any(other != loc and other[: len(loc)] == loc for other in best))
-    ]
-
-
-def _pointed(loc, message, data):
-    """A model's error that starts with a key of its own ("modes: each mode once") is placed at that key."""
-    head, _, rest = message.partition(": ")
-    target = (*loc, *(int(key) if key.isdecimal() else key for key in head.split(".")))
-    if rest and len(_keys(data, target)) == len(target):
-        return target, rest
-    return loc, message
-
-
-def _is_union_name(part) -> bool:
-    return isinstance(part, str) and ("[" in part or part in ("float", "int", "list"))
-
-
-def _explained(error) -> str:
-    key = ".".join(str(part) for part in error["loc"])
-    kind, given = error["type"], error.get("input")
-    if kind == "extra_forbidden":
-        return f"{key}: unknown key{_suggestion(error['loc'][-1], _known_keys(error['loc'][:-1]))}"
-    if kind == "missing":
-        return f"{key}: missing"
-    message = error["msg"]
-    if kind == "literal_error":
-        message = f"'{given}' is not one of {error['ctx']['expected']}"
-    elif kind in ("model_type", "dict_type"):
-        message = f"expected keys below it, got {given!r}"
-    elif kind in ("tuple_type", "list_type"):
-        message = f"expected a list, as [a, b], got {given!r}"
-    elif kind != "value_error":
-        message = f"{message[0].lower()}{message[1:]}, got {given!r}"
-    return f"{key}: {message}" if key else message
-
-
-def _known_keys(loc) -> list[str]:
-    """Keys allowed at a location, from the models' own fields."""
-    model: Any = Config
-    for part in loc:
-        field = model.model_fields.get(part)
-        if field:  # otherwise an item of a list, or a name of the user's own
-            model = next(_models(field.annotation), model)
-    return list(model.model_fields)
-
-
-def _models(annotation) -> Iterator[type[BaseModel]]:
-    """The models that an annotation is made of."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield annotation
-    for part in get_args(annotation):
-        yield from _models(part)
-
-
-def _closest(name, known) -> str | None:
-    return next(iter(difflib.get_close_matches(str(name), list(known), n=1)), None)
-
-
-def _suggestion(name, known) -> str:
-    close = _closest(name, known)
-    return f"; did you mean '{close}'?" if close else f"; choose from {', '.join(known)}"
