@@ -26,8 +26,12 @@ and no more than a kill may take away."""
 MOST_CASES = 256
 """To a batch: what they keep in memory stays small."""
 
-SHARES = 6
-"""Batches for each worker, at the least, so that all finish together."""
+AHEAD = 2
+"""A batch is no more than one of so many shares of each worker in what is left: batches become smaller towards the end,
+so that all workers finish together."""
+
+SMALLEST_SHARE = 50
+"""And no less than one of so many shares of each worker in the whole."""
 
 SLOWEST = 3e-6
 """Seconds that a particle-step may take (thirty times what is usual) before a worker is taken for hanging."""
@@ -158,7 +162,8 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list
     heads = np.unique(plan.chain[numbers])
     members = _members(plan, heads)
     costs = {head: float(plan.cost[chain].sum()) for head, chain in members.items()}
-    share = min(BATCH_COST, sum(costs.values()) / (SHARES * workers))
+    left = sum(costs.values())
+    smallest = left / (SMALLEST_SHARE * workers)
     seen: set[bytes] = set()
     order = sorted(members, key=lambda head: (-costs[head], head))
     open_batches: dict[int, tuple[list, float]] = {}
@@ -172,6 +177,8 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list
         batch, cost = open_batches.pop(group, ([], 0.0))
         batch.append(chain)
         cost += costs[head]
+        left -= costs[head]
+        share = min(BATCH_COST, max((left + cost) / (AHEAD * workers), smallest))
         if cost >= share or len(batch) >= MOST_CASES:
             yield batch
         else:

@@ -6,11 +6,16 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 from ruamel.yaml import YAML
 
 from warpdamp import load, run
+
+from .damper import damper, shake
+from .peers import resting_bed
 
 ROOT = Path(__file__).parents[2]
 WARPDAMP = (sys.executable, "-m", "warpdamp")
@@ -129,6 +134,32 @@ def two_cores(rounds: int = 3) -> dict[str, list[float]]:
                 samples[key].append(_cases_time(config, workers))
     pairs = zip(*samples.values(), strict=True)
     return samples | {"two_core_gain": [one / two for one, two in pairs]}
+
+
+def machine_gain(rounds: int = 5) -> dict[str, list[float]]:
+    """What this machine makes of two cores: one process that shakes one bed, against two of them side by side.
+
+    Nothing is shared, shared out or kept: no sweep can gain more.
+    """
+    gains = []
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as executor:
+        list(executor.map(_shaken, [1.0, 1.0]))  # starts both, and compiles
+        for _ in range(rounds):
+            one = executor.submit(_shaken, 3.0).result()
+            two = list(executor.map(_shaken, [3.0, 3.0]))
+            gains.append(sum(two) / one)
+    return {"machine_gain": gains}
+
+
+def _shaken(seconds: float) -> float:
+    """Steps a second of wall time of the paper's damper, for some seconds."""
+    started, steps = time.perf_counter(), 0
+    _, batch = shake([(damper(), resting_bed(1))], 1)
+    began = time.perf_counter()
+    while time.perf_counter() - started < seconds + (began - started):
+        steps += 2000
+        batch.advance(1 + steps)
+    return steps / (time.perf_counter() - began)
 
 
 def _cases_time(config, workers: int) -> float:
