@@ -52,7 +52,7 @@ def test_the_rule(energies, step, packings):
     def every(value):
         return np.full(len(energies), value)
 
-    found = packings_called_for(np.array(energies), every(0.01), every(20.0), every(step), every(4.0), 0.05)
+    found = packings_called_for(np.array(energies), every(0.01), every(20.0), every(0.0), every(step), every(4.0), 0.05)
     assert found == packings
 
 

@@ -10,7 +10,7 @@ import warpdamp
 from warpdamp import ConfigError, load
 from warpdamp.results import NOT_RUN
 from warpdamp.steady import degrees_of_freedom, standard_error
-from warpdamp.tolerance import BED_MEMORY, PRESETS, applied, combined, plan, single_interval, step_error, student
+from warpdamp.tolerance import PRESETS, applied, combined, plan, single_interval, step_error, student
 
 SMALL = """
 damper:
@@ -44,18 +44,20 @@ def test_the_step_is_never_the_largest_part(tolerance):
 def test_packings_combine_by_the_larger_of_their_spread_and_their_own_errors():
     alike = combined([1.0, 1.0, 1.0, 1.0], [0.1] * 4, [20] * 4)
     assert alike.mean == 1.0
-    own = math.hypot(0.1, BED_MEMORY)
-    assert alike.standard_error == pytest.approx(own / 2)
-    degrees = 80 * (own / 0.1) ** 4  # Welch, Satterthwaite: four times 20, and a known part
-    assert alike.interval == pytest.approx(own / 2 * student_t.ppf(0.975, degrees))
+    assert alike.standard_error == pytest.approx(0.05)
+    assert alike.interval == pytest.approx(0.05 * student_t.ppf(0.975, 80))  # Welch, Satterthwaite: four times 20
+    remembering = combined([1.0, 1.0, 1.0, 1.0], [0.1] * 4, [20] * 4, [0.2] * 4)
+    own = math.hypot(0.1, 0.2)
+    assert remembering.standard_error == pytest.approx(own / 2)
+    assert remembering.interval == pytest.approx(own / 2 * student_t.ppf(0.975, 80 * (own / 0.1) ** 4), rel=1e-5)
     spread = combined([0.8, 1.0, 1.2], [1e-6] * 3, [20] * 3)
     assert spread.standard_error == pytest.approx(0.2 / math.sqrt(3))
     assert spread.interval == pytest.approx(spread.standard_error * student_t.ppf(0.975, 2))
-    stepped = combined([1.0, 1.0], [0.1] * 2, [20] * 2, [0.03, 0.05])
+    stepped = combined([1.0, 1.0], [0.1] * 2, [20] * 2, steps=[0.03, 0.05])
     assert stepped.step_error == pytest.approx(0.04)  # packings share it
-    assert stepped.total_error == pytest.approx(math.hypot(own / math.sqrt(2), 0.04))
-    one = single_interval(2.0, 0.1, 9.0)
-    assert one == pytest.approx(math.hypot(0.1 * student_t.ppf(0.975, 9), 1.95996 * 2 * BED_MEMORY), rel=1e-4)
+    assert stepped.total_error == pytest.approx(math.hypot(0.1 / math.sqrt(2), 0.04))
+    one = single_interval(0.1, 9.0, 0.2)
+    assert one == pytest.approx(math.hypot(0.1 * student_t.ppf(0.975, 9), 1.95996 * 0.2), rel=1e-4)
 
 
 def test_intervals_of_correlated_cycles_cover_the_mean():

@@ -172,7 +172,13 @@ def _with_seeds_that_ran(dataset: xr.Dataset, config: Config) -> xr.Dataset:
     return dataset.isel(seed=ran.any([dim for dim in ran.dims if dim != "seed"]).values)
 
 
-_PARTS = ("energy_dissipated", "energy_dissipated_standard_error", "degrees_of_freedom", "discretisation_error")
+_PARTS = (
+    "energy_dissipated",
+    "energy_dissipated_standard_error",
+    "degrees_of_freedom",
+    "memory_error",
+    "discretisation_error",
+)
 
 
 def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:

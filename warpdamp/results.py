@@ -28,6 +28,7 @@ VARIABLES = {
         "half-width of the 95 % interval of the energy per cycle: averaging, and the state that the bed is in",
     ),
     "degrees_of_freedom": ("1", "of the standard error of the energy dissipated per cycle"),
+    "memory_error": ("J", "standard error of the energy per cycle by the state that the bed happens to be in"),
     "discretisation_error": ("J", "error of the energy per cycle by the step, estimated from the ledger's residual"),
     "energy_mean": ("J", "energy dissipated per cycle, mean over packings"),
     "energy_mean_standard_error": ("J", "standard error of the mean: packings, their states, averaging and step"),

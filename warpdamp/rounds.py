@@ -22,6 +22,7 @@ _VALUES = (
     "energy_dissipated",
     "energy_dissipated_standard_error",
     "degrees_of_freedom",
+    "memory_error",
     "discretisation_error",
     "maximum_energy",
 )
@@ -47,7 +48,7 @@ def called_for(plan: Plan, finished: Finished) -> np.ndarray:
 
 
 def _values(plan: Plan, finished: Finished) -> np.ndarray:
-    """(5, n) energies and what they are worth; NaN where a case is not finished, or failed."""
+    """(6, n) energies and what they are worth; NaN where a case is not finished, or failed."""
     rows = finished.rows(plan.keys)
     there = rows >= 0
     values = np.full((len(_VALUES), len(rows)), np.nan)

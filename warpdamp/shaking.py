@@ -13,10 +13,10 @@ from .engine import Batch, Case
 from .guards import DEEPEST, LARGEST_RESIDUAL
 from .kernels.data import ESCAPED, NOT_FINITE, OK
 from .ledger import Ledger, apparent_mass, harmonic_work, maximum_energy
-from .packing import Request, prepare
+from .packing import Request, fill, prepare
 from .scene import Drive, Scene, State
 from .steady import Status, Steady, steady
-from .tolerance import RESIDUAL_FACTOR, SMALLEST_EFFECTIVENESS, single_interval
+from .tolerance import RESIDUAL_FACTOR, SMALLEST_EFFECTIVENESS, bed_memory, single_interval
 
 FIRST_LOOKS, LOOKS = 10, 1.25
 """A series is looked at every ten cycles at first, and later whenever it has grown by a quarter."""
@@ -154,11 +154,13 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
     if (average.drifting or not precise) and cycles < criteria.most:
         return None
     values = _values(ledger.between(average.discarded, cycles), spec, mass, smallest)
+    memory = bed_memory(fill(spec.bed.grains.radius, spec.scene.enclosure)) * average.mean
     return values | {
         "energy_dissipated": average.mean,
         "energy_dissipated_standard_error": average.standard_error,
-        "energy_dissipated_interval": single_interval(average.mean, average.standard_error, average.degrees),
+        "energy_dissipated_interval": single_interval(average.standard_error, average.degrees, memory),
         "degrees_of_freedom": average.degrees,
+        "memory_error": memory,
         "discretisation_error": RESIDUAL_FACTOR * values["ledger_residual"] * average.mean,
         "status": int(_status(values, average, precise)),
         "cycles": cycles,

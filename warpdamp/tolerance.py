@@ -32,10 +32,13 @@ RESIDUAL_FACTOR = 2.5
 """What a case reckons its step error to be, over the ledger's residual.  Six points together show 0.7; upper bounds of
 single ones, in which chance is the most, reach 5.9 (docs/accuracy.md)."""
 
-BED_MEMORY = 0.05
-"""Relative standard error of what one bed says, however well its cycles are averaged: beds stay in one of many states
-for hundreds to thousands of cycles, and what a state dissipates differs.  Root mean square over 141 beds of 30 to 120
-spheres (docs/accuracy.md); packings average it out."""
+LOOSE_MEMORY, TIGHT_MEMORY = 0.035, 0.08
+"""Relative standard error of what one bed says, however well its cycles are averaged: a bed stays in one of many states
+for hundreds to thousands of cycles, and what a state dissipates differs.  Root mean square over 234 cases with spheres
+of a fifth of the cavity's width (docs/accuracy.md); packings average it out."""
+
+TIGHT_FILL = 0.5
+"""Part of the cavity that particles fill from which a bed counts as tight: 0.42-0.48 and 0.519 were measured."""
 
 SMALLEST_EFFECTIVENESS = 1e-3
 """Energies below this part of the ideal damper's count as nothing: no error is relative to less."""
@@ -102,20 +105,20 @@ def applied(config: Config) -> Config:
     return changed
 
 
-def packings_called_for(energies, errors, degrees, steps, largest, tolerance: float) -> int:
+def packings_called_for(energies, errors, degrees, memories, steps, largest, tolerance: float) -> int:
     """How many of a point's packings it takes, as far as those that ran tell: a few, and more while they disagree.
 
     Parameters
     ----------
-    energies, errors, degrees, steps : (n,) energy per cycle, its standard error, that one's degrees of freedom and the
-        error of the step, of every packing that there may be; NaN where it has not run, or failed: more of what failed
-        does not help
+    energies, errors, degrees, memories, steps : (n,) energy per cycle, its standard error, that one's degrees of
+        freedom, and the errors by the bed's state and by the step, of every packing that there may be; NaN where it has
+        not run, or failed: more of what failed does not help
     largest : (n,) energy of the ideal damper [J]
     tolerance : relative
     """
     n = min(FEWEST_PACKINGS, len(energies))
     while n < len(energies) and np.isfinite(energies[:n]).all():
-        answer = combined(energies[:n], errors[:n], degrees[:n], steps[:n])
+        answer = combined(energies[:n], errors[:n], degrees[:n], memories[:n], steps[:n])
         limit = allowed(tolerance, answer.mean, largest[0])
         if answer.total_error <= limit or answer.step_error > limit:  # more packings do not mend a step
             break
@@ -154,18 +157,19 @@ class Answer:
         return np.hypot(self.standard_error, self.step_error)
 
 
-def combined(means, errors, degrees, steps=0.0, ran=True) -> Answer:
+def combined(means, errors, degrees, memories=0.0, steps=0.0, ran=True) -> Answer:
     """Combine packings.
 
     Parameters
     ----------
     means, errors : (..., n) mean of each packing, and the standard error of its average over cycles
     degrees : (..., n) degrees of freedom of each error
+    memories : (..., n) standard error of each by the state that its bed is in
     steps : (..., n) error of the step of each
     ran : (..., n) which of them there are
     """
-    given = (means, errors, degrees, steps, ran)
-    means, errors, degrees, steps, ran = np.broadcast_arrays(*(np.asarray(a) for a in given))
+    given = (means, errors, degrees, memories, steps, ran)
+    means, errors, degrees, memories, steps, ran = np.broadcast_arrays(*(np.asarray(a) for a in given))
 
     def total(values):
         return np.sum(np.where(ran, values, 0.0), axis=-1)
@@ -173,25 +177,24 @@ def combined(means, errors, degrees, steps=0.0, ran=True) -> Answer:
     n = ran.sum(axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = total(means) / n
-        own_error = single_error(means, errors)
-        within = np.sqrt(total(own_error**2)) / n
+        within = np.sqrt(total(errors**2 + memories**2)) / n
         between = np.where(n > 1, np.sqrt(total((means - mean[..., None]) ** 2) / ((n - 1) * n)), 0.0)
         step = total(steps) / n
-        own = total(own_error**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
+        own = total(errors**2 + memories**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
     own = np.where(within > 0, own, math.inf)
     error = np.maximum(within, between)
     interval = np.hypot(error * student(np.where(between > within, n - 1.0, own)), 2 * step)
     return Answer(mean, error, step, interval, n)
 
 
-def single_error(mean, error):
-    """Standard error of what one bed says: of its average over cycles, and by the state that it happens to be in."""
-    return np.hypot(error, BED_MEMORY * mean)
+def bed_memory(fill: float) -> float:
+    """Relative standard error of what one bed says that no averaging over its cycles mends, by the cavity's fill."""
+    return TIGHT_MEMORY if fill >= TIGHT_FILL else LOOSE_MEMORY
 
 
-def single_interval(mean: float, error: float, degrees: float) -> float:
-    """Half-width of the 95 % interval of what one bed says."""
-    return float(np.hypot(error * student(degrees), student(math.inf) * BED_MEMORY * mean))
+def single_interval(error: float, degrees: float, memory: float) -> float:
+    """Half-width of the 95 % interval of what one bed says: of its average over cycles, and for its state."""
+    return float(np.hypot(error * student(degrees), memory * student(math.inf)))
 
 
 def student(degrees):
