@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 import os
 import sys
-import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
@@ -21,9 +20,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from warpdamp import Batch, Case, corrected, load
+from warpdamp import corrected, load
+from warpdamp.coupled_runs import Run, advance
 from warpdamp.coupling import from_decay, from_response, mount_of
-from warpdamp.packing import Request, prepare
+from warpdamp.packing import Request
 from warpdamp.results import write
 from warpdamp.scene import STANDARD_GRAVITY, Drive, Force
 from warpdamp.sources import modes
@@ -71,25 +71,17 @@ def released(gamma: float, seed: int) -> dict:
 
 def _run(config, mount, gamma, frequency, seed, cycles) -> dict:
     base, own = scene(config), grains(config)
-    bed = prepare(Request(base, own, seed)).state
     n = steps_per_cycle(base.driven(Drive(frequency, gamma * STANDARD_GRAVITY)), own)
     mount = replace(mount, record=n // RECORDS)
-    case = Case(base.mounted(mount), bed, 1 / frequency / n)
-    batch = Batch([case], max_rows=cycles + 1, max_records=(RECORDS + 1) * cycles)
-    first = batch.read()[0][1]
-    started = time.process_time()
-    batch.advance(cycles * n)
-    spent = time.process_time() - started
-    last = batch.read()[0][1]
-    balance = type(last)(np.concatenate([first.rows, last.rows]), last.effects)
-    lost = balance.change("structure_loss") + float(balance.dissipated[-1])
-    found = from_response(batch.records(0), mount, WINDOW) if mount.force else from_decay(batch.records(0))
+    done = advance(Run(Request(base, own, seed), base.mounted(mount), 1 / frequency / n, cycles * n))
+    records = done["records"]
+    found = from_response(records, mount, WINDOW) if mount.force else from_decay(records)
     return {
         "asked": gamma,
         "seed": seed,
         "found": np.array([[i.gamma, i.frequency, i.damping] for i in found]),
-        "closure": abs(float(balance.coupled_residual[-1])) / lost,
-        "cpu_time": spent,
+        "closure": done["closure"],
+        "cpu_time": done["cpu_time"],
         "cycles": cycles,
     }
 

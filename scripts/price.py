@@ -37,14 +37,14 @@ def job(**changes) -> Config:
     return Config.model_validate(values | changes)
 
 
-def fixed(length: int, seeds: list[int]) -> list[dict]:
-    """The same cases at the paper's step, each for ``length`` cycles."""
+def fixed(length: int, seeds: list[int]) -> list[tuple[tuple[int, ...], dict]]:
+    """The same cases at the paper's step, each for ``length`` cycles, with their places (frequency, gamma, seed)."""
     config = job(numerics={"step": PAPER_STEP}, seeds=seeds)
     specs = sorted(Cases(config).specs(), key=lambda spec: -spec.steps_per_cycle)
     criteria = Criteria(fewest=length, most=length, fixed=True)
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as executor:
         done = executor.map(shake, [[[spec]] for spec in specs], [criteria] * len(specs))
-        return [value for results in done for _, value in results]
+        return [result for results in done for result in results]
 
 
 def main() -> None:
@@ -55,18 +55,27 @@ def main() -> None:
     length = int(bought["cycles"].where(steady).max())
     paid = fixed(length, [1, 2, 3])
     first = ran & (bought["seed"] <= 3)
+    energies = np.full((bought.sizes["frequency"], bought.sizes["gamma"], 3), np.nan)
+    for index, value in paid:
+        energies[index] = value["energy_dissipated"]
     result = xr.Dataset(
         {
             "tolerance_cpu_time": ((), float(bought["cpu_time"].where(ran).sum())),
             "tolerance_cases": ((), int(ran.sum())),
             "tolerance_cpu_time_first_packings": ((), float(bought["cpu_time"].where(first).sum())),
-            "fixed_cpu_time": ((), sum(value["cpu_time"] for value in paid)),
+            "fixed_cpu_time": ((), sum(value["cpu_time"] for _, value in paid)),
             "fixed_cases": ((), len(paid)),
             "fixed_cycles": ((), length),
             "cycles": ("case", bought["cycles"].where(ran).values[ran.values].astype(float)),
-            "within_tolerance": ("point", bought["within_tolerance"].values.ravel()),
+            "within_tolerance": ("point", bought["within_tolerance"].transpose("frequency", "gamma").values.ravel()),
             "status": ("case", bought["status"].values[ran.values]),
-            "fixed_status": ("fixed_case", np.array([value["status"] for value in paid])),
+            "fixed_status": ("fixed_case", np.array([value["status"] for _, value in paid])),
+            "claimed": ("point", bought["energy_mean"].transpose("frequency", "gamma").values.ravel()),
+            "claimed_error": (
+                "point",
+                bought["energy_mean_standard_error"].transpose("frequency", "gamma").values.ravel(),
+            ),
+            "fixed": ("point", energies.mean(axis=-1).ravel()),
         }
     )
     write(result, ROOT / "docs" / "price.nc")
