@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from warpdamp import ConfigError, load
+from warpdamp.batches import batches
 from warpdamp.cases import Cases
 from warpdamp.plan import EXCLUDED, REFUSED, plan
 from warpdamp.sweep_reader import read_axes, settled
@@ -255,3 +256,31 @@ def test_what_is_wrong_is_said_in_one_line(study, sweep, message):
     assert re.search(message, said), said
     assert re.match(r".*study.yaml:\d+:\d+: ", said)
     assert "\n" not in said
+
+
+@pytest.mark.parametrize("workers", [1, 2, 4])
+def test_batches_leave_no_worker_alone(study, workers):
+    """64 equal cases, dealt to whoever is free: all finish within one case of each other."""
+    many = "  product: {gamma: {from: 1, to: 5, n: 64}}\n"
+    made = plan(
+        Cases(load(study(many, BASE.replace("gamma: [3, 6], frequency: [40 Hz, 80 Hz]", "gamma: 1, frequency: 40 Hz"))))
+    )
+    made.cost[:] = 1.0
+    dealt = [len(batch) for batch in batches(made, made.to_run(), workers)]
+    assert sum(dealt) == 64
+    busy = np.zeros(workers)
+    for cases in dealt:
+        busy[np.argmin(busy)] += cases
+    assert np.ptp(busy) <= 1
+    assert len(dealt) <= 8 + 8 * workers
+
+
+def test_what_is_alike_is_dealt_once(study):
+    """Cases of one key run once, and batches shrink with what is really left."""
+    base = BASE.replace("gamma: [3, 6]", "gamma: 1")
+    alike = plan(Cases(load(study("  product: {gamma: {from: 1, to: 5, n: 16}, seed: [1, 2]}\n", base))))
+    alike.cost[:] = 1.0
+    alike.keys[1::2] = alike.keys[::2]
+    dealt = [len(batch) for batch in batches(alike, alike.to_run(), 2)]
+    assert sum(dealt) == 32
+    assert max(dealt) == 8

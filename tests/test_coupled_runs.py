@@ -9,10 +9,11 @@ import pytest
 import xarray as xr
 from scipy.signal import lsim
 
-from warpdamp import ConfigError, forces, load
+from warpdamp import ConfigError, fits, forces, load
 from warpdamp.config_coupled import RandomConfig, SweptConfig
-from warpdamp.coupled_runs import accelerance, simulate
+from warpdamp.coupled_runs import _runs, accelerance, simulate
 from warpdamp.executors import InProcess
+from warpdamp.modal import ModalError
 
 HEAVY = """
 structure:
@@ -71,10 +72,11 @@ def test_the_accelerance_of_a_linear_oscillator():
     w, zeta, phi = 2 * math.pi * 40, 0.025, 1.7
     step = 1 / (32 * 60)
     time = np.arange(round(160 / step)) * step
-    system = ([[0, 1], [-(w**2), -2 * zeta * w]], [[0], [phi]], [[-phi * w**2, -2 * zeta * w * phi]], [[phi**2]])
+    system = ([[0, 1], [-(w**2), -2 * zeta * w]], [[0], [phi]], [[phi, 0]], [[0]])
     swept, own = forces.swept(SweptConfig(amplitude=1.0, from_=20.0, to=60.0), time[-1])
     noise, other = forces.random(RandomConfig(rms=1.0, from_=10.0, to=60.0), time[-1])
-    for samples, sample_step, pieces in ((swept, own, 1), (noise, other, 15)):
+    blow = np.where(time < 0.008, np.sin(np.pi * time / 0.008), 0.0)
+    for samples, sample_step, pieces in ((swept, own, 1), (noise, other, 15), (blow, step, 1)):
         force = np.interp(time, np.arange(len(samples)) * sample_step, samples)
         frequency, found = accelerance([(force, lsim(system, force, time)[1])], step, pieces)
         near = (frequency > 38) & (frequency < 42)
@@ -94,10 +96,41 @@ def test_a_structure_that_hardly_feels_its_damper_keeps_its_mode(write, source):
     assert float(runs["closure"].max()) < 5e-3
 
 
+def test_a_force_far_above_the_mode_and_what_is_read_while_it_settles(write):
+    """Transient windows have no equivalent mode or another one: they are there, and said not to be steady."""
+    config = load(write(HEAVY + "coupled: {duration: 3 s, harmonic: {amplitude: 2 N, frequency: 120 Hz}}\n"))
+    runs = simulate(config, InProcess()).isel(level=0, seed=0)
+    assert runs.sizes["window"] == 36  # of 10 cycles each, the last included
+    steady = runs["window_steady"] == 1
+    assert not steady[0]
+    assert steady[-5:].all()
+    np.testing.assert_allclose(runs["window_frequency"][-5:], 40.0, rtol=5e-3)
+
+
+def test_the_direction_is_the_excitations(write):
+    """Across the axis of the damper, whatever the structure calls its own direction."""
+    text = HEAVY.replace("excitation: {gamma: 1}", "excitation: {gamma: 1, direction: lateral}")
+    runs, _ = _runs(load(write(text + "coupled: {duration: 1 s, release: {gamma: 1, mode: 1}}\n")))
+    assert runs[0, 0].scene.mount.direction == (1.0, 0.0, 0.0)
+
+
+def test_a_recorded_blow_is_heard_in_the_frf(write, tmp_path):
+    """A half sine of 8 ms: the peak of the accelerance within 1 % of phi^2 / (2 zeta), at 40 Hz."""
+    time = np.arange(0, 4.0, 5e-4)
+    rows = "".join(f"{t:.4f},{80 * max(0.0, math.sin(math.pi * t / 8e-3)) * (t < 8e-3):.5f}\n" for t in time)
+    (tmp_path / "blow.csv").write_text("time_s,force_N\n" + rows)
+    runs = simulate(load(write(HEAVY + "coupled: {duration: 8 s, recorded: {file: blow.csv}}\n")), InProcess())
+    size = np.hypot(runs["accelerance_real"], runs["accelerance_imaginary"])
+    assert float(size.idxmax()) == pytest.approx(40, abs=0.13)
+    assert float(size.max()) == pytest.approx(1 / 40 / 0.02, rel=0.01)
+    found = fits(runs, [40.0])
+    assert float(found["fitted_damping_ratio"].sel(fit="dobson").isel(mode=0)) == pytest.approx(0.01, rel=0.05)
+
+
 def test_levels_and_seeds_and_an_frf_to_fit(write, tmp_path):
     """Twice the force on a structure that stays linear: twice the motion, and the same FRF."""
     text = (
-        HEAVY + "seeds: [1, 2]\ncoupled: {duration: 4 s, random: {rms: 1 N, from: 20 Hz, to: 60 Hz}, levels: [1, 2]}\n"
+        HEAVY + "seeds: [1, 2]\ncoupled: {duration: 40 s, random: {rms: 1 N, from: 20 Hz, to: 60 Hz}, levels: [1, 2]}\n"
     )
     runs = simulate(load(write(text)), InProcess())
     assert dict(runs["reaction"].sizes) == {"level": 2, "seed": 2, "time": runs.sizes["time"]}
@@ -106,6 +139,9 @@ def test_levels_and_seeds_and_an_frf_to_fit(write, tmp_path):
     assert (runs["applied_force"].isel(level=1) == 2 * runs["applied_force"].isel(level=0)).all()
     curves = runs["accelerance_real"] + 1j * runs["accelerance_imaginary"]
     np.testing.assert_allclose(curves.isel(level=1), curves.isel(level=0), atol=0.01 * float(np.abs(curves).max()))
+    with pytest.raises(ModalError, match="several FRFs along level: choose one, as --at level=1"):
+        fits(runs)
+    assert np.isfinite(fits(runs.sel(level=2), [40.0])["fitted_frequency"]).any()
 
 
 def test_the_command(write, tmp_path):
@@ -137,6 +173,14 @@ def test_the_command(write, tmp_path):
         ("", "coupled: {duration: 1 s, recorded: {file: no.csv}}", "coupled.recorded: .*no.csv"),
         ("included: false", "included: true", "adds the particles itself"),
         ("friction: 0.5", "friction: [0.4, 0.5]", "run one combination at a time"),
+        ("preparation: loose", "preparation: loose\naccuracy: fast", "accuracy: is for `warpdamp run`"),
+        ("count: 8", "count: 30", "too many particles"),
+        (
+            "",
+            "coupled: {duration: 0.1 s, harmonic: {amplitude: 1 N, frequency: 40 Hz}}",
+            "at least 20 cycles of the force",
+        ),
+        ("", "coupled: {duration: 1 s, swept: {amplitude: 1 N, form: 1 Hz, to: 2 Hz}}", "did you mean 'from'"),
     ],
 )
 def test_what_cannot_be_run_is_refused(write, old, new, message):

@@ -131,6 +131,9 @@ def test_regimes(mapped):
     assert (regime(still) == Regime.FLUIDISED).all()
     assert (regime(still.assign(effectiveness=0.01 * one)) == Regime.SOLID).all()
     assert (regime(still.assign(lid_impulse=0.2 * one)) == Regime.TWO_SIDED_COLLISION).all()
+    upside_down = still.assign(floor_impulse=0.02 * one, lid_impulse=one)  # the bed rests on the lid
+    assert (regime(upside_down) == Regime.FLUIDISED).all()
+    assert (regime(still.assign(lid_impulse=np.nan * one)) == Regime.UNKNOWN).all()
     light = still.assign(apparent_mass=0.1 * mapped["particle_mass"] * one)
     assert (regime(light) == Regime.FLUIDISED).all()  # it floats, and returns
     assert (regime(light.assign(cycle_displacement=2 * mapped["displacement"] * one)) == Regime.CONVECTING).all()

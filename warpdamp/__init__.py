@@ -16,6 +16,9 @@ __version__ = "0.1.0"
 PHYSICS_VERSION = 2
 """Raised whenever a change alters results, so that cached beds and stored results of old physics are not mixed in."""
 
+RESULTS_VERSION = 2
+"""Raised whenever a finished case holds something new, so that stored results of before are run again, too."""
+
 _HOMES = {
     "run": "study",
     "carry_out": "study",
@@ -25,7 +28,7 @@ _HOMES = {
     "load": "config",
     "Config": "config",
     "ConfigError": "config",
-    "PackingError": "packing",
+    "PackingError": "guards",
     "prepare": "packing",
     "Request": "packing",
     "Batch": "engine",
@@ -60,6 +63,7 @@ if TYPE_CHECKING:
     from .engine import Case as Case
     from .engine import Simulation as Simulation
     from .files import StoreError as StoreError
+    from .guards import PackingError as PackingError
     from .guards import SimulationError as SimulationError
     from .ledger import Ledger as Ledger
     from .modal.apparent import corrected as corrected
@@ -67,7 +71,6 @@ if TYPE_CHECKING:
     from .modal.frf import constant_force as constant_force
     from .modal.measured import fits as fits
     from .optimum import peaks as peaks
-    from .packing import PackingError as PackingError
     from .packing import Request as Request
     from .packing import prepare as prepare
     from .plot import curves as curves

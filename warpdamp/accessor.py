@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from .results import over_seeds
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -75,8 +77,8 @@ class Damper:
             raise ValueError(f"a mode at {outside[0]:.1f} Hz lies outside the frequencies run, {low:g} to {high:g} Hz")
         number = xr.DataArray(np.asarray(modes.number), dims="mode", attrs={"units": "1", "long_name": "mode"})
         frequency, amplitude = (xr.DataArray(np.asarray(a), dims="mode") for a in (modes.frequency, modes.amplitude))
-        value = _over_seeds(dataset["effectiveness"])
-        variance = _over_seeds(dataset["effectiveness_standard_error"] ** 2) / _packings(dataset["effectiveness"])
+        value, error = over_seeds(dataset, "effectiveness")
+        variance = error**2
         if dataset.sizes["frequency"] > 1:
             value, variance = (a.interp(frequency=frequency) for a in (value, variance))
         else:
@@ -103,11 +105,3 @@ class Damper:
         from .maps import regime_map
 
         return regime_map(self._dataset)
-
-
-def _packings(array: xr.DataArray):
-    return array.notnull().sum("seed") if "seed" in array.dims else 1
-
-
-def _over_seeds(array: xr.DataArray) -> xr.DataArray:
-    return array.mean("seed") if "seed" in array.dims else array

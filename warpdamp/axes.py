@@ -133,8 +133,8 @@ def _below(node, part):
 
 
 def tree(config: Config) -> dict:
-    """The configuration without its sweep, as plain values in SI."""
-    return config.model_dump(mode="json", exclude={"sweep"})
+    """The configuration without its sweep and coupled runs, as plain values in SI."""
+    return config.model_dump(mode="json", exclude={"sweep", "coupled"})
 
 
 def put(node, path: Path, value) -> None:

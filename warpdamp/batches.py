@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from .shaking import Criteria, Spec
 
 BATCH_COST = 1.5e8
-"""Particle-steps, at the least, that make a batch: some ten seconds, beside which keeping its results costs nothing,
-and no more than a kill may take away."""
+"""Particle-steps that make a batch where there are many: some ten seconds, beside which keeping its results costs
+nothing, and no more than a kill may take away."""
 
 MOST_CASES = 256
 """To a batch: what they keep in memory stays small."""
@@ -123,7 +123,8 @@ def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[in
 
 def make_bed(request: Request) -> tuple[str, str] | None:
     """Make a bed and keep it; if that cannot be, what to say, and the configuration's key to look at."""
-    from .packing import PackingError, prepare
+    from .guards import PackingError
+    from .packing import prepare
 
     with _alone:
         try:
@@ -160,19 +161,17 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list
     if not len(numbers):
         return
     heads = np.unique(plan.chain[numbers])
-    members = _members(plan, heads)
+    members = {}
+    for head, chain in _members(plan, heads).items():
+        members.setdefault(bytes(plan.keys[chain[-1]]), (head, chain))
+    members = dict(members.values())
     costs = {head: float(plan.cost[chain].sum()) for head, chain in members.items()}
     left = sum(costs.values())
     smallest = left / (SMALLEST_SHARE * workers)
-    seen: set[bytes] = set()
     order = sorted(members, key=lambda head: (-costs[head], head))
     open_batches: dict[int, tuple[list, float]] = {}
     for head in order:
         chain = members[head]
-        last = bytes(plan.keys[chain[-1]])
-        if last in seen:
-            continue
-        seen.add(last)
         group = int(plan.group[head])
         batch, cost = open_batches.pop(group, ([], 0.0))
         batch.append(chain)

@@ -14,6 +14,8 @@ import typer
 from . import cli_structure
 from .cli_tools import ConfigArgument, one_line_errors, picture_file, progress, writable
 
+EXECUTORS = ("processes", "in-process", "dask")
+
 app = typer.Typer(
     help="How much vibration a granular damper takes out of a structure.",
     no_args_is_help=True,
@@ -53,6 +55,8 @@ def run(
         from .report import summary, verdicts
         from .results import write
 
+        if executor not in EXECUTORS and "://" not in executor:
+            raise typer.BadParameter(f"'{executor}' is none of {', '.join(EXECUTORS)}", param_hint="--executor")
         checked, own = load(config), _part(part)
         store = output / f"{config.stem}{'-quick' if quick else ''}"
         path = store.with_name(f"{store.name}.nc")
@@ -208,7 +212,12 @@ def plot(
         from .results import read
 
         target = picture_file(output or file.with_suffix(".png"))
-        save(draw(read(file)), target)
+        dataset = read(file)
+        try:
+            figure = draw(dataset)
+        except ValueError as error:
+            raise OSError(f"{file}: {error}") from None
+        save(figure, target)
     print(target)
 
 

@@ -129,6 +129,7 @@ def fit(
         list[float] | None,
         typer.Option(help="Frequency near a mode's peak [Hz]; may be repeated (default: every peak)."),
     ] = None,
+    at: Annotated[list[str] | None, typer.Option(help="Which of several FRFs, as level=2.")] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help=".nc for the data, .png for a picture over Gamma.")
     ] = None,
@@ -137,11 +138,12 @@ def fit(
     from rich.console import Console
 
     with one_line_errors():
+        from .modal.frf import chosen
         from .modal.measured import fits, read_frf
         from .plot_frf import fitted_curves
         from .report import fits_table
 
-        found = fits(read_frf(file), near)
+        found = fits(chosen(read_frf(file), at or []), near)
         if output:
             if output.suffix != ".nc" and "gamma" not in found.dims:
                 raise OSError(f"{output}: one FRF has nothing to draw over Gamma: name a file that ends in .nc")

@@ -17,13 +17,13 @@ ConfigArgument = Annotated[Path, typer.Argument(help="YAML file of the study.", 
 def one_line_errors():
     """What a user can mend comes as one line and exit status 2; anything else is a bug and keeps its traceback."""
     from .config import ConfigError
-    from .guards import SimulationError
+    from .guards import PackingError, SimulationError
     from .modal import ModalError
     from .modal.extra import MissingLibrary
 
     try:
         yield
-    except (ConfigError, SimulationError, ModalError, MissingLibrary, OSError) as error:
+    except (ConfigError, PackingError, SimulationError, ModalError, MissingLibrary, OSError) as error:
         print(error if isinstance(error, ConfigError) else f"warpdamp: {error}", file=sys.stderr)
         raise typer.Exit(2) from None
 

@@ -90,10 +90,10 @@ def _known_keys(root: type[BaseModel], loc) -> list[str]:
     """Keys allowed at a location, from the fields of the ``root`` model."""
     model = root
     for part in loc:
-        field = model.model_fields.get(part)
+        field = {f.alias or name: f for name, f in model.model_fields.items()}.get(part)
         if field:  # otherwise an item of a list, or a name of the user's own
             model = next(_models(field.annotation), model)
-    return list(model.model_fields)
+    return [field.alias or name for name, field in model.model_fields.items()]
 
 
 def _models(annotation) -> Iterator[type[BaseModel]]:

@@ -36,7 +36,13 @@ LEAST_DAMPING = 0.01
 """Damping ratio with which the structure's largest speed is foreseen, if its own is less: the damper adds more."""
 
 AVERAGES = 8
-"""Pieces that the spectra of random and recorded forces are averaged over, half of each overlapping the next."""
+"""Pieces that the spectra of random forces are averaged over, half of each overlapping the next."""
+
+LEAST_POWER = 1e-6
+"""Of a force, over its largest: lines with less tell nothing of the structure and are left out."""
+
+STEADY = 0.02
+"""A window is steady if its amplitude is the one before's to this part."""
 
 
 @dataclass(frozen=True)
@@ -77,9 +83,12 @@ def simulate(config: Config, executor: Executor, report: Callable[[float], None]
     runs, force = _runs(config)
     futures = {executor.submit(advance, run): index for index, run in runs.items()}
     found = {}
-    for future in as_completed(futures):
-        found[futures[future]] = future.result()
-        report(len(found) / len(futures))
+    try:
+        for future in as_completed(futures):
+            found[futures[future]] = future.result()
+            report(len(found) / len(futures))
+    except guards.PackingError as error:
+        raise config.error(error.key, str(error)) from None
     return _assembled(config, runs, found, force)
 
 
@@ -123,17 +132,24 @@ def advance(run: Run) -> dict:
 
 def _runs(config: Config) -> tuple[dict[tuple[int, int], Run], list[Force | None]]:
     """Runs by (level, seed), and the force of each level."""
-    own = _own(config)
-    modes = _modes(config)
+    config = _single(config)
+    own, modes = config.coupled, _modes(config)
+    _check(config, modes)
     inherent = modes.inherent_damping
     beds, base = grains(config), scene(config)
     every = [_force(config, level) for level in own.levels]
     mounts = [
-        mount_of(modes, inherent, force=force, position=_release(own, modes, level), direction=modes.direction)
+        mount_of(
+            modes,
+            inherent,
+            force=force,
+            position=_release(own, modes, level),
+            direction=config.excitation.direction,
+        )
         for force, level in zip(every, own.levels, strict=True)
     ]
     fastest = max(_largest_speed(mount, modes, particle_mass(config), own.duration) for mount in mounts)
-    reference = own.harmonic.frequency if own.harmonic else max((*modes.frequency, *_band(own)))
+    reference = _reference(own, modes)
     numerics = Numerics(config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced())
     drive = Drive(reference, 2 * math.pi * reference * fastest)
     longest = contact_step(base.driven(drive), beds, steps_per_contact=numerics.steps_per_contact)
@@ -148,25 +164,40 @@ def _runs(config: Config) -> tuple[dict[tuple[int, int], Run], list[Force | None
     return runs, every
 
 
-def _own(config: Config) -> CoupledConfig:
-    """The section ``coupled``, if the rest of the configuration goes with it."""
+def _single(config: Config) -> Config:
+    """The configuration without lists, if it is of one combination and has all that a coupled run takes."""
     from .cases import Cases
 
-    own = config.coupled
-    if own is None:
+    if config.coupled is None:
         raise config.error("coupled", "missing: it says what moves the structure, as release: {gamma: 10, mode: 1}")
     if config.structure is None:
         raise config.error("structure", "missing: there is nothing to answer the particles")
     if config.structure.particles_included:
         raise config.error("structure.particles_included", "is true, and a coupled run adds the particles itself")
-    if len([point for point in Cases(config).points() if not point.refused]) > 1:
-        raise config.error("coupled", "takes single values, and the study sweeps some: run one combination at a time")
-    if own.release and own.release.mode not in (known := _modes(config).number):
-        listed = ", ".join(map(str, known))
-        raise config.error("coupled.release.mode", f"there is no mode {own.release.mode}; the structure has {listed}")
+    if config.accuracy is not None:
+        raise config.error("accuracy", "is for `warpdamp run`: give numerics.steps_per_contact and seeds instead")
+    if config.numerics.step != "auto":
+        raise config.error("numerics.step", "is chosen here: give numerics.steps_per_contact instead")
     if config.preparation == "carried":
         raise config.error("preparation", "'carried' is for studies of several amplitudes: take loose or compacted")
-    return own
+    points = [point for point in Cases(config).points() if not point.refused]
+    if len(points) != 1:
+        said = f"and the study has {len(points)}: run one combination at a time"
+        raise config.error("coupled", f"takes one combination of single values, {said}")
+    single = points[0].config.model_copy(update={"coupled": config.coupled, "seeds": config.seeds})
+    single._source = config._source
+    return single
+
+
+def _check(config: Config, modes: Modes) -> None:
+    own = config.coupled
+    if own.release and own.release.mode not in modes.number:
+        known = ", ".join(map(str, modes.number))
+        raise config.error("coupled.release.mode", f"there is no mode {own.release.mode}; the structure has {known}")
+    if own.harmonic and len(modes.number) == 1 and own.duration * own.harmonic.frequency < 2 * WINDOW:
+        raise config.error(
+            "coupled.duration", f"is too short to read a mode: take at least {2 * WINDOW} cycles of the force"
+        )
 
 
 def _modes(config: Config) -> Modes:
@@ -203,10 +234,13 @@ def _release(own: CoupledConfig, modes: Modes, level: float) -> tuple[float, ...
     return tuple(place)
 
 
-def _band(own: CoupledConfig) -> tuple[float, ...]:
-    """Highest frequency of a force that has one."""
-    ranged = own.swept or own.random
-    return (max(ranged.from_, ranged.to),) if ranged else ()
+def _reference(own: CoupledConfig, modes: Modes) -> float:
+    """Highest frequency that the records are to show [Hz]; a harmonic force's cycle is a whole number of theirs."""
+    highest = float(max(modes.frequency))
+    if own.harmonic:
+        return own.harmonic.frequency * max(1, math.ceil(highest / own.harmonic.frequency))
+    band = own.swept or own.random
+    return max(highest, band.from_, band.to) if band else highest
 
 
 def _largest_speed(mount: Mount, modes: Modes, particles: float, duration: float) -> float:
@@ -288,16 +322,14 @@ def _identified(own: CoupledConfig, runs, found, shape) -> xr.Dataset:
     for i in range(shape[0]):
         force = runs[i, 0].scene.mount.force
         pairs = [
-            (applied(force, one["records"][:, 0]), one["records"][:, 2]) for (k, _), one in found.items() if k == i
+            (applied(force, one["records"][:, 0]), one["records"][:, 1]) for (k, _), one in found.items() if k == i
         ]
-        frequency, curve = accelerance(pairs, step, 1 if own.swept else AVERAGES)
+        frequency, curve = accelerance(pairs, step, AVERAGES if own.random else 1)
         curves.append(curve)
-    band = own.swept or own.random
-    kept = slice(None)
-    if band:
-        low, high = sorted((band.from_, band.to))
-        kept = (frequency >= low) & (frequency <= high)
-    curves = np.array(curves)[:, kept]
+    band, curves = own.swept or own.random, np.array(curves)
+    low, high = sorted((band.from_, band.to)) if band else (0.0, math.inf)
+    kept = (frequency > 0) & (frequency >= low) & (frequency <= high) & np.isfinite(curves).all(axis=0)
+    curves = curves[:, kept]
     dims = ("level", "frequency")
     curve = xr.Dataset(
         {"accelerance_real": (dims, curves.real), "accelerance_imaginary": (dims, curves.imag)},
@@ -307,7 +339,23 @@ def _identified(own: CoupledConfig, runs, found, shape) -> xr.Dataset:
 
 
 def accelerance(pairs, step: float, pieces: int) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies [Hz] and accelerance H1 = S_fa / S_ff of records (force, acceleration), spectra averaged over all."""
+    """Accelerance of a structure from records of the force on it and of its displacement.
+
+    H1 = S_fx / S_ff, spectra averaged over all records and their pieces, times -(2 pi f)^2: of the acceleration itself
+    the impacts would be sampled by chance, and fold back into the band.
+
+    Parameters
+    ----------
+    pairs : of (n,) arrays: force [N], displacement [m]
+    step : [s] between their values
+    pieces : 1 (the whole, without a window: for what begins and ends at rest) or more (Hann windows)
+
+    Returns
+    -------
+    frequency : (m,) array [Hz]
+    accelerance : (m,) complex array [m s^-2 N^-1]
+        NaN where the force has no power.
+    """
     from scipy.signal import csd, welch
 
     n = len(pairs[0][0])
@@ -319,10 +367,11 @@ def accelerance(pairs, step: float, pieces: int) -> tuple[np.ndarray, np.ndarray
         "detrend": False,
     }
     frequency, _ = welch(pairs[0][0], **options)
-    cross = sum(csd(force, acceleration, **options)[1] for force, acceleration in pairs)
+    cross = sum(csd(force, displacement, **options)[1] for force, displacement in pairs)
     power = sum(welch(force, **options)[1] for force, _ in pairs)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return frequency, cross / power
+        found = -((2 * np.pi * frequency) ** 2) * cross / power
+    return frequency, np.where(power > LEAST_POWER * power.max(), found, np.nan)
 
 
 def _windows(read: dict[tuple[int, int], list[Identified]], shape) -> xr.Dataset:
@@ -333,8 +382,13 @@ def _windows(read: dict[tuple[int, int], list[Identified]], shape) -> xr.Dataset
     for (i, j), one in read.items():
         for k, window in enumerate(one):
             values[:, i, j, k] = window.gamma, window.frequency, window.damping
+    with np.errstate(invalid="ignore"):
+        steady = abs(values[0, ..., 1:] / values[0, ..., :-1] - 1) <= STEADY
+    steady = np.concatenate([np.zeros((*shape, 1), bool), steady], axis=-1)
     dims = ("level", "seed", "window")
     names = ("window_gamma", "window_frequency", "window_damping_ratio")
     return xr.Dataset(
-        {name: (dims, own) for name, own in zip(names, values, strict=True)}, {"window": np.arange(1, longest + 1)}
+        {name: (dims, own) for name, own in zip(names, values, strict=True)}
+        | {"window_steady": (dims, steady.astype(np.int8))},
+        {"window": np.arange(1, longest + 1)},
     )

@@ -50,7 +50,7 @@ def from_response(records: np.ndarray, mount: Mount, cycles: int) -> list[Identi
     """Read the steady response of a mount of one mode to its harmonic force, window by window.
 
     The receptance X / F = phi^2 / (w_n^2 - w^2 + 2 j zeta w_n w) of an equivalent linear mode is solved for w_n and
-    zeta.
+    zeta; where a transient has no such mode they are NaN.  Early windows are of the transient: the reader chooses.
 
     Parameters
     ----------
@@ -64,17 +64,16 @@ def from_response(records: np.ndarray, mount: Mount, cycles: int) -> list[Identi
     w = 2 * math.pi * force.frequency
     applied = -1j * force.amplitude  # A sin(w t) = Re(-j A exp(j w t))
     number = np.floor(records[:, 0] * force.frequency / cycles + 1e-9).astype(int)
+    end = records[-1, 0] + records[1, 0] - records[0, 0]
     found = []
-    for k in range(number[-1]):
+    for k in range(int(end * force.frequency / cycles + 1e-6)):
         window = records[number == k]
         place = first_harmonic(window[:, 0], window[:, 1], force.frequency)
         stiffness = phi**2 * applied / place  # w_n^2 - w^2 + 2 j zeta w_n w
-        natural = math.sqrt(w**2 + stiffness.real)
-        found.append(
-            Identified(
-                abs(place) * w**2 / STANDARD_GRAVITY, natural / (2 * math.pi), stiffness.imag / (2 * natural * w)
-            )
-        )
+        squared = w**2 + stiffness.real
+        natural = math.sqrt(squared) if squared > 0 else math.nan
+        gamma = abs(place) * w**2 / STANDARD_GRAVITY
+        found.append(Identified(gamma, natural / (2 * math.pi), stiffness.imag / (2 * natural * w)))
     return found
 
 

@@ -201,6 +201,7 @@ def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
     if tolerance is not None:
         largest = np.max(np.where(ran, over_packings("maximum_energy"), 0.0), axis=-1)
         limit = allowed(tolerance, answer.mean, largest)
-        found["within_tolerance"] = (answer.total_error <= limit).astype(np.int64)
+        within = (answer.total_error <= limit).astype(np.int64)
+        found["within_tolerance"] = np.where(answer.packings > 0, within, NOT_RUN)
     dims = [dim for dim in dataset["status"].dims if dim != "seed"]
     return xr.Dataset({name: (dims, values) for name, values in found.items()})

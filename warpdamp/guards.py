@@ -23,6 +23,17 @@ class SimulationError(ArithmeticError):
     """A run that went wrong: what, where, and what to change."""
 
 
+class PackingError(ValueError):
+    """The particles do not fit, or do not come to rest; ``key`` names the configuration's key to look at."""
+
+    def __init__(self, message: str, key: str = "damper.particles.count"):
+        super().__init__(message, key)
+        self.key = key
+
+    def __str__(self) -> str:
+        return self.args[0]
+
+
 def check_values(state: State) -> None:
     """Refuse a state that is not finite.
 

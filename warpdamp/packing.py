@@ -32,7 +32,7 @@ from . import PHYSICS_VERSION
 from .effects import Effects
 from .engine import Batch, Case
 from .files import keep, locked
-from .guards import LARGEST_RESIDUAL, residual_share
+from .guards import LARGEST_RESIDUAL, PackingError, residual_share
 from .kernels.data import OK
 from .ledger import Ledger
 from .scene import STANDARD_GRAVITY, Cylinder, Drive, Grains, Scene, State
@@ -62,17 +62,6 @@ LONGEST_REST = 45.0
 40 mm under standard gravity)."""
 
 _log = logging.getLogger(__name__)
-
-
-class PackingError(ValueError):
-    """The particles do not fit, or do not come to rest; ``key`` names the configuration's key to look at."""
-
-    def __init__(self, message: str, key: str = "damper.particles.count"):
-        super().__init__(message, key)
-        self.key = key
-
-    def __str__(self) -> str:
-        return self.args[0]
 
 
 @dataclass(frozen=True)

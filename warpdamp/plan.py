@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import PHYSICS_VERSION
+from . import PHYSICS_VERSION, RESULTS_VERSION
 from .cases import Cases
 from .config import resolved_yaml
 from .files import StoreError, keep
@@ -36,7 +36,8 @@ def identity(spec: Spec, criteria: Criteria, bed: str) -> dict:
     """All that the result of a case depends on, but for the amplitudes before it; ``bed``: key of its bed."""
     own = {f.name: getattr(spec, f.name) for f in fields(spec) if f.name not in ("index", "scene", "bed")}
     drive = asdict(spec.scene.drive)
-    return {"physics": PHYSICS_VERSION, "bed": bed, "drive": drive, "criteria": asdict(criteria), **own}
+    versions = {"physics": PHYSICS_VERSION, "results": RESULTS_VERSION}
+    return {**versions, "bed": bed, "drive": drive, "criteria": asdict(criteria), **own}
 
 
 def key(identity: dict, before: list[dict] = []) -> bytes:  # noqa: B006 - not changed

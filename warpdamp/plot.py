@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .maps import grid, named, panels, phase_map, scattered
+from .results import over_seeds
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,14 +37,6 @@ def draw(dataset: xr.Dataset) -> Figure:
     if over_map and min(dataset.sizes["frequency"], dataset.sizes["gamma"]) >= MANY:
         return phase_map(dataset)
     return curves(dataset)
-
-
-def over_seeds(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
-    """Mean of a variable over seeds, and its standard error."""
-    value, error = dataset[name], dataset[f"{name}_standard_error"]
-    if "seed" not in value.dims:
-        return value, error
-    return value.mean("seed"), np.sqrt((error**2).sum("seed")) / value.notnull().sum("seed")
 
 
 def curves(dataset: xr.Dataset) -> Figure:

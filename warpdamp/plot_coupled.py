@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 def answers(runs: xr.Dataset) -> Figure:
     """Acceleration over time for each level (first seed), and beside it what was read off the records.
 
-    That is damping and frequency over Gamma with one mode and a harmonic force or a release, the accelerance with any
-    other force.
+    That is damping and frequency over Gamma with one mode and a harmonic force (steady windows) or a release, the
+    accelerance with any other force.
     """
     from matplotlib import colormaps
     from matplotlib.figure import Figure
@@ -39,7 +39,9 @@ def answers(runs: xr.Dataset) -> Figure:
         ):
             for k in range(runs.sizes["level"]):
                 own = runs.isel(level=k)
-                ax.plot(own["window_gamma"].values.ravel(), own[name].values.ravel(), ".", ms=3, color=colours[k])
+                shown = own["window_steady"] == 1 if "applied_force" in runs else own[name].notnull()
+                gamma, value = (own[n].where(shown).values.ravel() for n in ("window_gamma", name))
+                ax.plot(gamma, value, ".", ms=3, color=colours[k])
             ax.set(xlabel="Γ [-]", ylabel=label)
             _within_reason(ax, runs[name].values)
     elif panels == 2:
@@ -56,6 +58,8 @@ def answers(runs: xr.Dataset) -> Figure:
 
 def _within_reason(ax, values: np.ndarray) -> None:
     """Leave out the few readings of a dying motion that would flatten all others."""
+    if not np.isfinite(values).any():
+        return
     low, high = np.nanpercentile(values, [2, 98])
     margin = 0.1 * (high - low) or 0.1 * abs(high) or 1.0
     ax.set_ylim(low - margin, high + margin)

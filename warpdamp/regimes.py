@@ -18,7 +18,7 @@ SOLID_BELOW = 0.02
 """Effectiveness under which a bed moves with its cavity."""
 
 TWO_SIDED_ABOVE = 0.1
-"""Impulse of the lid over that of the floor.  Stray particles that reach the lid stay below 0.03."""
+"""The smaller impulse, of lid and floor, over the larger.  Stray particles that reach the lid stay below 0.03."""
 
 CONVECTING_BELOW = 1 / 3
 """Part of the particles' mass that the structure feels under which most of the bed has left its walls."""
@@ -39,7 +39,8 @@ class Regime(IntEnum):
 def regime(dataset: xr.Dataset) -> xr.DataArray:
     """Label every case.
 
-    Solid: the effectiveness is below 2 %.  Two-sided collision: the lid gives at least a tenth of the floor's impulse.
+    Solid: the effectiveness is below 2 %.  Two-sided collision: of lid and floor one gives at least a tenth of the
+    other's impulse.  Unknown: the case failed, or the cavity moves across its axis.
     Convecting: the structure feels less than a third of the particles, and these end a cycle farther from where they
     began than the cavity moves.  Fluidised: none of it; particles part, and return.
 
@@ -60,10 +61,12 @@ def regime(dataset: xr.Dataset) -> xr.DataArray:
     carried = dataset["apparent_mass"] / dataset["particle_mass"]
     transported = dataset["cycle_displacement"] > dataset["displacement"]
     labels = xr.where((carried < CONVECTING_BELOW) & transported, int(Regime.CONVECTING), int(Regime.FLUIDISED))
-    two_sided = dataset["lid_impulse"] > TWO_SIDED_ABOVE * dataset["floor_impulse"]
+    ends = [dataset["floor_impulse"], dataset["lid_impulse"]]
+    two_sided = np.minimum(*ends) > TWO_SIDED_ABOVE * np.maximum(*ends)
     labels = xr.where(two_sided, int(Regime.TWO_SIDED_COLLISION), labels)
     labels = xr.where(dataset["effectiveness"] < SOLID_BELOW, int(Regime.SOLID), labels)
-    labels = xr.where(np.isfinite(dataset["effectiveness"]), labels, int(Regime.UNKNOWN))
+    known = np.isfinite(dataset["effectiveness"]) & np.isfinite(dataset["lid_impulse"])
+    labels = xr.where(known, labels, int(Regime.UNKNOWN))
     labels = labels.transpose(*dataset["effectiveness"].dims).astype(np.int8)
     labels.attrs.update(
         units="1",

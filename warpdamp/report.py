@@ -11,8 +11,7 @@ import numpy as np
 from .maps import panels, shown
 from .optimum import peaks
 from .packing import MOST_BLOCKS
-from .plot import over_seeds
-from .results import NOT_RUN
+from .results import NOT_RUN, over_seeds
 from .steady import Status
 
 if TYPE_CHECKING:
@@ -153,7 +152,8 @@ def verdicts(dataset: xr.Dataset) -> list[str]:
     if "within_tolerance" in dataset:
         within = dataset["within_tolerance"].values
         lines.append(
-            f"{np.sum(within == 1)} of {within.size} points are within the tolerance, with {_packings(dataset)}"
+            f"{np.sum(within == 1)} of {np.sum(within != NOT_RUN)} points are within the tolerance, "
+            f"with {_packings(dataset)}"
         )
     elif ran < status.size:
         lines.append(f"{status.size - ran} of {status.size} cases: {Status.NOT_RUN.meaning}")

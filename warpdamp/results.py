@@ -36,7 +36,7 @@ VARIABLES = {
     "packings": ("1", "packings that the mean is over"),
     "within_tolerance": ("1", "whether the mean's standard error is within accuracy.tolerance (1) or not (0)"),
     "effectiveness": ("1", "energy dissipated per cycle over that of the ideal impact damper (eqs 4, 5)"),
-    "effectiveness_standard_error": ("1", "standard error of the effectiveness"),
+    "effectiveness_standard_error": ("1", "standard error of the average over cycles of the effectiveness"),
     **{f"{name}_loss": ("J", f"energy lost per cycle: {name.replace('_', ' ')}") for name in CHANNELS},
     **{f"{name}_loss": ("J", f"energy lost per cycle: {name.split('_')[0]} contacts, all channels") for name in TOTALS},
     "work_input": ("J", "work per cycle of the enclosure on the particles"),
@@ -102,6 +102,7 @@ VARIABLES = {
     "closure": ("1", "energy of structure and particles not accounted for, over what was lost"),
     "window_gamma": ("1", "acceleration amplitude over g, of a stretch of the record"),
     "window_frequency": ("Hz", "natural frequency of the mode as it answers in that stretch"),
+    "window_steady": ("1", "whether the amplitude is that of the stretch before to 2 % (1) or not (0)"),
     "window_damping_ratio": ("1", "damping ratio, inherent and by the damper, of the mode in that stretch"),
 }
 NOT_RUN = -1
@@ -122,6 +123,17 @@ def describe(dataset: xr.Dataset) -> xr.Dataset:
             comment="; ".join(f"{int(s)}: {s.meaning}" for s in Status),
         )
     return dataset
+
+
+def over_seeds(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
+    """Mean of a variable over packings, and its standard error: of the effectiveness with all its parts."""
+    value, error = dataset[name], dataset[f"{name}_standard_error"]
+    if name == "effectiveness" and "energy_mean_standard_error" in dataset:
+        mean = value.mean("seed") if "seed" in value.dims else value
+        return mean, mean * dataset["energy_mean_standard_error"] / dataset["energy_mean"]
+    if "seed" not in value.dims:
+        return value, error
+    return value.mean("seed"), np.sqrt((error**2).sum("seed")) / value.notnull().sum("seed")
 
 
 def ran(dataset: xr.Dataset) -> xr.DataArray:

@@ -209,7 +209,7 @@ def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
     dissipated = float(np.mean(window.per_cycle()))
     return {
         **{f"{name}_loss": window.change(name) / cycles for name in window.losses},
-        **(_indicators(window) if window.effects.indicators else {}),
+        **(_indicators(window, drive) if window.effects.indicators else {}),
         "work_input": window.change("work_input") / cycles,
         "harmonic_work": harmonic_work(reaction, drive),
         "apparent_mass": apparent_mass(reaction, drive),
@@ -219,11 +219,12 @@ def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
     }
 
 
-def _indicators(window: Ledger) -> dict:
-    """What tells the regime of motion."""
+def _indicators(window: Ledger, drive: Drive) -> dict:
+    """What tells the regime of motion; across the axis floor and lid are not what the bed collides with."""
     cycles = len(window.rows) - 1
+    axial = abs(drive.direction[2]) > 1 - 1e-9
     return {
-        **{name: window.change(name) / cycles for name in ("floor_impulse", "lid_impulse")},
+        **{name: window.change(name) / cycles if axial else math.nan for name in ("floor_impulse", "lid_impulse")},
         "cycle_displacement": float(np.mean(window["displacement"][1:])),
     }
 

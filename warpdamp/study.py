@@ -235,7 +235,8 @@ def _refuse_what_does_not_fit(made: Plan) -> None:
     ------
     ConfigError
     """
-    from .packing import PackingError, separate
+    from .guards import PackingError
+    from .packing import separate
 
     if math.prod(made.cases.shape[2:-1]) > 1:
         return

@@ -59,6 +59,10 @@ def fits(frf: xr.Dataset, near=None) -> xr.Dataset:
     import xarray as xr
 
     curves = complex_accelerance(frf)
+    if others := [dim for dim in curves.dims if dim not in ("gamma", "frequency")]:
+        raise ModalError(
+            f"there are several FRFs along {others[0]}: choose one, as --at {others[0]}={float(curves[others[0]][0]):g}"
+        )
     several = "gamma" in curves.dims
     if not several:
         curves = curves.expand_dims(gamma=[np.nan])
