@@ -54,6 +54,7 @@ def test_the_papers_study_is_read_in_si(config_path):
         ("[1, 3, 5]", "[1, 1]", r"structure.modes: each mode once"),
         ("seeds: [1, 2, 3]", "seeds: []", r"seeds: .*at least 1"),
         ("frequency: modes", "frequency: 46 kg", r"excitation.frequency: '46 kg' has the wrong unit"),
+        ("title: Granular damper on a clamped beam", "'[': 1", r":4:1: \[: unknown key"),
         ("fewest_cycles: 30", "fewest_cycles: 9000", r"steady_state.most_cycles: is below fewest_cycles"),
         ("title: Granular", "title: [Granular", r"FILE:\d+:\d+: not YAML"),
         ("friction: 0.86", "friction: '0,86'", r"contact.friction: cannot read '0,86': write a decimal point"),

@@ -35,7 +35,8 @@ def telling(errors, data, root):
     """The errors worth a line: one a place, the most telling branch of a union, no echo of a misspelt key."""
     best: dict = {}
     for error in errors:
-        loc = tuple(part for part in error["loc"] if not _is_union_name(part))
+        ours = len(error["loc"]) - (error["type"] == "extra_forbidden")  # an unknown key may look like a union's name
+        loc = tuple(part for k, part in enumerate(error["loc"]) if k >= ours or not _is_union_name(part))
         loc, message = _pointed(loc, error["msg"].removeprefix("Value error, "), data)
         rank = error["type"] in ("list_type", "literal_error")
         if loc not in best or rank < best[loc][0]:
