@@ -37,6 +37,7 @@ class Criteria:
     Parameters
     ----------
     standard_error : asked for, relative to the energy per cycle
+    slack : drift and imbalance that do not matter, relative to the energy per cycle
     fewest, most : cycles to run
     fixed : average over the last two thirds of ``most`` cycles instead, whatever the series does
     """
@@ -45,6 +46,7 @@ class Criteria:
     fewest: int = 30
     most: int = 1000
     fixed: bool = False
+    slack: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -146,10 +148,10 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
     if criteria.fixed:
         discarded = cycles // 3
         judged = steady(series[discarded:], fewest=cycles, floor=smallest)
-        balanced = _balanced(ledger.between(discarded, cycles), drive, smallest)
+        balanced = _balanced(ledger.between(discarded, cycles), drive, BALANCE, smallest)
         average = replace(judged, discarded=discarded, drifting=judged.drifting or not balanced)
     else:
-        average = _settled(ledger, drive, criteria.fewest * 2 // 3, smallest)
+        average = _settled(ledger, drive, criteria, smallest)
     precise = average.standard_error <= max(criteria.standard_error * average.mean, smallest)
     if (average.drifting or not precise) and cycles < criteria.most:
         return None
@@ -183,22 +185,23 @@ def _status(values: dict, average: Steady, precise: bool) -> Status:
     return Status.STEADY if precise else Status.IMPRECISE
 
 
-def _settled(ledger: Ledger, drive: Drive, fewest: int, smallest: float) -> Steady:
+def _settled(ledger: Ledger, drive: Drive, criteria: Criteria, smallest: float) -> Steady:
     """The average from the earliest tenth of the run on, up to its half, after which work and dissipation balance."""
     series = ledger.per_cycle()
-    n = len(series)
+    n, fewest = len(series), criteria.fewest * 2 // 3
+    floor = max(smallest, criteria.slack * float(np.mean(series[n // 2 :])))
     for earliest in range(0, max(1, min(n // 2, n - fewest)), max(1, n // 10)):
-        average = steady(series, fewest=fewest, floor=smallest, earliest=earliest)
-        if _balanced(ledger.between(average.discarded, n), drive, smallest):
+        average = steady(series, fewest=fewest, floor=floor, earliest=earliest)
+        if _balanced(ledger.between(average.discarded, n), drive, max(BALANCE, criteria.slack), smallest):
             return average
     return replace(average, drifting=True)
 
 
-def _balanced(window: Ledger, drive: Drive, smallest: float) -> bool:
+def _balanced(window: Ledger, drive: Drive, part: float, smallest: float) -> bool:
     dissipated = float(np.mean(window.per_cycle()))
     work = window.change("work_input") / (len(window.rows) - 1)
     harmonic = harmonic_work(window.reaction(drive), drive)
-    return max(abs(work - dissipated), abs(harmonic - dissipated)) <= max(BALANCE * dissipated, smallest)
+    return max(abs(work - dissipated), abs(harmonic - dissipated)) <= max(part * dissipated, smallest)
 
 
 def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:

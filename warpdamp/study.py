@@ -22,7 +22,7 @@ from .steady import FIRST_UNFINISHED, Status
 from .store import Finished, Store
 from .sweep import as_list
 from .sweep_reader import settled
-from .tolerance import applied
+from .tolerance import applied, plan
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -287,4 +287,5 @@ def criteria_of(config: Config, frequency: float) -> Criteria:
     wanted = config.steady_state
     if wanted.recipe == "paper":
         return paper_criteria(frequency)
-    return Criteria(wanted.standard_error, wanted.fewest_cycles, wanted.most_cycles)
+    slack = plan(config.accuracy.tolerance).slack if config.accuracy else 0.0
+    return Criteria(wanted.standard_error, wanted.fewest_cycles, wanted.most_cycles, slack=slack)

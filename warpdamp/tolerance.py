@@ -28,6 +28,10 @@ together show 0.14 %, single ones as much as chance allows to see (docs/accuracy
 STEP_SHARE = 1 / 3
 """Largest part of the tolerance that is left to the step."""
 
+SLACK = 0.5
+"""Part of the tolerance that a case may still drift by, or be out of balance by, and end: less than what it claims for
+its bed's state."""
+
 RESIDUAL_FACTOR = 2.5
 """What a case reckons its step error to be, over the ledger's residual.  Six points together show 0.7; upper bounds of
 single ones, in which chance is the most, reach 5.9 (docs/accuracy.md)."""
@@ -55,10 +59,12 @@ class Plan:
     ----------
     steps_per_contact : float
     standard_error : of the average over the cycles of one case, relative
+    slack : drift, and difference of work and dissipation, that is not waited for, relative
     """
 
     steps_per_contact: float
     standard_error: float
+    slack: float
 
 
 def step_error(steps_per_contact: float) -> float:
@@ -76,7 +82,7 @@ def plan(tolerance: float) -> Plan:
     wanted = 24 * math.sqrt(STEP_ERROR / (STEP_SHARE * tolerance))
     steps = min(max(wanted, FEWEST_STEPS_PER_CONTACT), FINEST)
     left = math.sqrt(max(tolerance**2 - step_error(steps) ** 2, (0.5 * tolerance) ** 2))
-    return Plan(steps, left)
+    return Plan(steps, left, SLACK * tolerance)
 
 
 def applied(config: Config) -> Config:
