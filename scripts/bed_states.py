@@ -90,8 +90,8 @@ def document() -> None:
         "",
         f"From cycle 100 on, means of 100 cycles differ by {100 * spread:.0f} % (standard deviation); single cycles "
         f"scatter by {100 * noise:.0f} % about the level of their bed, so that 100 uncorrelated ones would be known "
-        f"to {10 * noise:.1f} %.  The step is not the cause: over all beds {means[24]:.3f} ± {errors[24]:.3f} with 24 steps "
-        f"a contact and {means[48]:.3f} ± {errors[48]:.3f} with 48.",
+        f"to {10 * noise:.1f} %.  The step is not the cause: over all beds {means[24]:.3f} ± {errors[24]:.3f} with 24 "
+        f"steps a contact and {means[48]:.3f} ± {errors[48]:.3f} with 48.",
         "",
         "A bed of this fill, five and a half spheres across, has no single answer at this amplitude, however long one "
         "waits: it goes from one state to another after tens to hundreds of cycles.  Short runs, and the 0.3 s of the "
