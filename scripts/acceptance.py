@@ -127,8 +127,9 @@ def bed_section():
     clearance = ", ".join(f"{1e3 * c:.2f}" for c in at["clearance"].values)
     lines += [
         "",
-        "At Gamma 6 a bed has more than one steady state and goes from one to another ([bed-states.md](bed-states.md)); "
-        "what was asked for is of its first hundred cycles.  ± is of the average over cycles alone.",
+        "At Gamma 6 a bed has more than one steady state and goes from one to another "
+        "([bed-states.md](bed-states.md)); what was asked for is of its first hundred cycles.  ± is of the average "
+        "over cycles alone.",
         "",
         f"Clearance, compacted: {clearance} mm (eq. 2 says 2.2-2.3 mm).",
     ]
