@@ -4,7 +4,7 @@
 
 Beds of 30 to 120 spheres, three packings each, frequencies 60-380 Hz and Gamma 1.5-12 drawn at
 random.  A case runs as a study with a tolerance would run it; the reference is the mean over eight times as many cycles
-after those, at least 300.  About a quarter of an hour on two cores.
+after those, at least 300.  About three minutes on two cores.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@
 
 The main job on every eighth of its amplitudes, both ways in one run, from the same beds.  The fixed length is the
 shortest with which every case would have the standard error that the tolerance gives it: the longest that any steady
-case took.  About eight minutes on two cores.
+case took.  About four minutes on two cores.
 """
 
 from __future__ import annotations
