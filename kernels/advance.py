@@ -78,12 +78,16 @@ def stepper(effects):
         # in and out:
         steps: wp.array(dtype=wp.int64),
         drifts: wp.array(dtype=vec3),
+        left: wp.array(dtype=vec3),
         tallies: wp.array(dtype=Row),
         # out:
         rows: wp.array(dtype=Row),
         status: wp.array(dtype=wp.int32),
     ):
-        """Run each case until its target step or until its neighbour list is used up."""
+        """Run each case until its target step or until its neighbour list is used up.
+
+        ``left`` holds where the particles were at the end of the last cycle, apart from them: it is seldom looked at.
+        """
         n = wp.tid()
         case = cases[n]
         step = steps[n]
@@ -99,7 +103,7 @@ def stepper(effects):
                 since = real(0.0)
                 rows[case.first_row] = stored(case, p, c, mount, row, real(0.0))
                 if wp.static(effects.indicators):
-                    leave(case, p)
+                    leave(case, p, left)
 
             inertial, row = forces(case, p, c, mount, step, h, since, case.dt, row)
             work, travel2, mean_velocity = integrate(case, p, inertial, h, drift)
@@ -114,8 +118,8 @@ def stepper(effects):
             if step % wp.int64(case.cycle) == wp.int64(0):
                 cycle = wp.int32(step / wp.int64(case.cycle))
                 if wp.static(effects.indicators):
-                    row = returned(case, p, row)
-                    leave(case, p)
+                    row = returned(case, p, left, row)
+                    leave(case, p, left)
                 if cycle < case.rows:
                     rows[case.first_row + cycle] = stored(case, p, c, mount, row, real(0.5) * case.dt)
         if wp.static(effects.guards and effects.enclosure):

@@ -71,7 +71,7 @@ def types(effects):
     """Structs and vectors for the given effects."""
     # Warp shares kernels of equal code, so effects of equal structs must share those, too
     wall = effects.enclosure
-    own = structs(replace(effects, channels=True, guards=True, side=wall, floor=wall, lid=wall))
+    own = structs(replace(effects, channels=True, indicators=True, guards=True, side=wall, floor=wall, lid=wall))
     losses = wp.types.vector(len(LOSSES) if effects.channels else 1, wp.float64)
     row = wp.types.vector(len(columns(effects)), wp.float64)
     return SimpleNamespace(**vars(own), Losses=losses, Row=row)
@@ -79,7 +79,7 @@ def types(effects):
 
 @functools.cache
 def structs(effects):
-    """Structs for the given effects, of which ``channels``, ``guards`` and the choice of walls do not matter."""
+    """Structs for the given effects; ``channels``, ``indicators``, ``guards`` and the choice of walls do not matter."""
     real = effects.real
     vec3 = wp.types.vector(3, real)
 
@@ -158,8 +158,6 @@ def structs(effects):
         if effects.rotation:
             torque: vec3
         listed: vec3  # position when the neighbour list was made
-        if effects.indicators:
-            returned: vec3  # position at the end of the last cycle
         if effects.sizes:
             radius: real
         if not effects.alike:

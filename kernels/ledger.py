@@ -69,18 +69,18 @@ def ledger(effects):
         return row
 
     @wp.func
-    def leave(case: Case, p: wp.array(dtype=Particle)):
+    def leave(case: Case, p: wp.array(dtype=Particle), left: wp.array(dtype=vec3)):
         """Begin a cycle: remember where every particle is."""
         for i in range(case.first, case.first + case.count):
-            p[i].returned = p[i].position
+            left[i] = p[i].position
 
     @wp.func
-    def returned(case: Case, p: wp.array(dtype=Particle), row: Row):
+    def returned(case: Case, p: wp.array(dtype=Particle), left: wp.array(dtype=vec3), row: Row):
         """End a cycle: how far the particles have moved from one another, root mean square."""
         common = wp.vec3d()
         square = wp.float64(0.0)
         for i in range(case.first, case.first + case.count):
-            moved = wp.vec3d(p[i].position - p[i].returned)
+            moved = wp.vec3d(p[i].position - left[i])
             common += moved
             square += wp.dot(moved, moved)
         n = wp.float64(case.count)

@@ -120,6 +120,7 @@ class Batch:
         self._steps = wp.zeros(m, dtype=wp.int64, device=DEVICE)
         self._target = wp.zeros(m, dtype=wp.int64, device=DEVICE)
         self._drifts = wp.zeros(m, dtype=t.vec3, device=DEVICE)
+        self._left = wp.zeros(n if self.effects.indicators else 0, dtype=t.vec3, device=DEVICE)
         self._tallies = wp.zeros(m, dtype=t.Row, device=DEVICE)
         self._rows = wp.full(m * max_rows, t.Row(math.nan), dtype=t.Row, device=DEVICE)
         self._status = wp.zeros(m, dtype=wp.int32, device=DEVICE)
@@ -249,7 +250,7 @@ class Batch:
                 self._advance,
                 len(self.cases),
                 [self._constants, self._target, self._particles, self._contacts, self._mount]
-                + [self._steps, self._drifts, self._tallies, self._rows, self._status],
+                + [self._steps, self._drifts, self._left, self._tallies, self._rows, self._status],
                 device=DEVICE,
             )
             target[status != data.OK] = done[status != data.OK]
@@ -294,6 +295,7 @@ class Batch:
             "particles": self._particles,
             "steps": self._steps,
             "drifts": self._drifts,
+            "left": self._left,
             "tallies": self._tallies,
             "rows": self._rows,
             "status": self._status,

@@ -76,7 +76,7 @@ class Transfer:
                 own = [1 / m for m in masses]
             elif name == "inverse_inertia":
                 own = [2.5 / (m * r**2) for m, r in zip(masses, radius, strict=True)]
-            elif name in ("force", "torque", "listed", "returned"):
+            elif name in ("force", "torque", "listed"):
                 continue
             else:
                 own = [getattr(s, name.removeprefix("half_")) for s in self.states]
