@@ -326,7 +326,7 @@ def test_states_of_mixtures_and_of_rolling_go_on_from_where_they_were_read(make_
     np.testing.assert_array_equal(again.pair_history[order], rested.pair_history[back])
 
 
-def test_a_large_bed_is_numbered_along_a_curve_and_reads_back_in_its_own_numbers(make_scene, monkeypatch):
+def test_a_large_bed_is_numbered_by_rows_and_reads_back_in_its_own_numbers(make_scene, monkeypatch):
     from warpdamp import transfer
     from warpdamp.packing import separate
 

@@ -1,7 +1,7 @@
 """States to the device's arrays and back.
 
-On the device the particles of a large bed are numbered along a space-filling curve, so that neighbours in space are
-neighbours in memory; their own numbers come back when a state is read.
+On the device the particles of a large bed are numbered row by row and layer by layer, so that the neighbours of one
+after the other lie one after the other, too, as a processor expects; their own numbers come back when a state is read.
 """
 
 from __future__ import annotations
@@ -17,11 +17,9 @@ from .scene import State
 FEWEST_ORDERED = 1000
 """Smaller beds lie in the processor's cache however they are numbered, and keep their own order."""
 
-CURVE_BITS = 10  # cells of the curve along each axis: 2^10
-
 
 def numbering(position: np.ndarray) -> np.ndarray:
-    """Order in which the device numbers particles: along Morton's curve, (n,) indices.
+    """Order in which the device numbers particles: by layers, rows and places along a row, (n,) indices.
 
     Parameters
     ----------
@@ -30,13 +28,10 @@ def numbering(position: np.ndarray) -> np.ndarray:
     if len(position) < FEWEST_ORDERED:
         return np.arange(len(position), dtype=np.int32)
     low = position.min(axis=0)
-    width = float(np.max(position.max(axis=0) - low)) or 1.0
-    cell = np.minimum((position - low) / width * 2**CURVE_BITS, 2**CURVE_BITS - 1).astype(np.int64)
-    curve = np.zeros(len(position), np.int64)
-    for bit in range(CURVE_BITS):
-        for axis in range(3):
-            curve |= (cell[:, axis] >> bit & 1) << (3 * bit + axis)
-    return np.argsort(curve, kind="stable").astype(np.int32)
+    width = position.max(axis=0) - low
+    spacing = float(np.prod(width) / len(position)) ** (1 / 3) or 1.0
+    cell = ((position - low) / spacing).astype(np.int64)
+    return np.lexsort((cell[:, 0], cell[:, 1], cell[:, 2])).astype(np.int32)
 
 
 class Transfer:
