@@ -314,7 +314,8 @@ def presets_section() -> list[str]:
         "## What the presets err by",
         "",
         "Written from scripts/presets.py: modes 3 and 5 of the main job at Gamma 2, 6 and 13, against the mean of "
-        f"eight other packings, known to {100 * own:.1f} % themselves (standard error; root mean squares, as all here).",
+        f"eight other packings, known to {100 * own:.1f} % themselves (standard error; root mean squares, as all "
+        "here).",
         "",
         *table(["preset", "tolerance", "claimed", "off", "at most", "packings", "core-seconds"], rows),
         "",
