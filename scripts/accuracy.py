@@ -291,37 +291,6 @@ def price_section() -> list[str]:
     ]
 
 
-def presets_section() -> list[str]:
-    """What the presets err by."""
-    with xr.open_dataset(DOCS / "presets.nc") as presets:
-        presets = presets.load()
-    own = float(np.sqrt((presets["reference_error"] ** 2).mean()))
-    rows = []
-    for preset in presets["preset"].values:
-        at = presets.sel(preset=preset)
-        rows.append(
-            [
-                str(preset),
-                f"{100 * PRESETS[str(preset)]:g} %",
-                f"{100 * float(np.sqrt((at['claimed'] ** 2).mean())):.1f} %",
-                f"{100 * float(np.sqrt((at['off'] ** 2).mean())):.1f} %",
-                f"{100 * float(abs(at['off']).max()):.1f} %",
-                f"{int(at['packings'].min())} to {int(at['packings'].max())}",
-                f"{float(at['cpu_time']):.0f}",
-            ]
-        )
-    return [
-        "## What the presets err by",
-        "",
-        "Written from scripts/presets.py: modes 3 and 5 of the main job at Gamma 2, 6 and 13, against the mean of "
-        f"eight other packings, known to {100 * own:.1f} % themselves (standard error; root mean squares, as all "
-        "here).",
-        "",
-        *table(["preset", "tolerance", "claimed", "off", "at most", "packings", "core-seconds"], rows),
-        "",
-    ]
-
-
 def document() -> None:
     """Write docs/accuracy.md and its pictures."""
     with xr.open_dataset(DOCS / "accuracy.nc") as runs:
@@ -343,7 +312,6 @@ def document() -> None:
         *cheapest_section(runs, errors),
         *(coverage_section() if (DOCS / "coverage.nc").exists() else []),
         *(price_section() if (DOCS / "price.nc").exists() else []),
-        *(presets_section() if (DOCS / "presets.nc").exists() else []),
     ]
     (DOCS / "accuracy.md").write_text("\n".join(lines))
 
