@@ -20,6 +20,7 @@ import xarray as xr
 from scipy.optimize import brentq
 
 from warpdamp import Batch, Case, Cylinder, Drive, Material, Scene, State, Surface, load, run
+from warpdamp.files import whole_file
 from warpdamp.ledger import harmonic_work, maximum_energy
 from warpdamp.modal.beam import beam_modes
 from warpdamp.packing import Request, prepare, settle
@@ -177,8 +178,8 @@ def main_job_section():
             said.append(done.stdout.strip().replace(cold, "docs"))
             if not extra:
                 for file in ("beam.nc", "beam.png"):
-                    part = shutil.copy(Path(cold) / file, ROOT / "docs" / f"{file}.tmp")
-                    os.replace(part, ROOT / "docs" / file)
+                    with whole_file(ROOT / "docs" / file) as part:
+                        shutil.copy(Path(cold) / file, part)
     lines += ["", "```", said[0], "```", ""]
     with xr.open_dataset(ROOT / "docs" / "beam.nc") as dataset:
         steady = dataset["status"] == 0

@@ -1,7 +1,7 @@
 """How beds change while they are shaken: the paper's damper at Gamma 6, cycle by cycle; writes docs/bed-states.md.
 
     python scripts/bed_states.py            # the document, from docs/bed-states.nc
-    python scripts/bed_states.py simulate   # the runs anew: about five minutes on two cores
+    python scripts/bed_states.py simulate   # the runs anew: about four minutes on two cores
 
 Three packings, loose and compacted, with the usual step and with half of it.
 """

@@ -1,7 +1,7 @@
 """The prediction from prescribed motion against structures that answer; writes docs/coupling.md from docs/coupling.nc.
 
     python scripts/coupling.py            # the document, from the committed runs and docs/beam.nc
-    python scripts/coupling.py simulate   # the runs anew: ten minutes on two cores
+    python scripts/coupling.py simulate   # the runs anew: four minutes on two cores
 
 Mode 1 of the paper's beam, alone, with the paper's damper: held near ten amplitudes by a harmonic force at resonance,
 and released from the largest.  Both sides use the same three compacted beds.

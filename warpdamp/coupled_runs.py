@@ -249,7 +249,8 @@ def _largest_speed(mount: Mount, modes: Modes, particles: float, duration: float
 
     if mount.force is None:
         return mount.speed
-    time, force = _sampled(mount.force, duration)
+    time = forces.moments(mount.force, duration)
+    force = forces.applied(mount.force, time)
     loaded = modes.with_mass(particles)
     speed = np.zeros(len(time))
     for f, phi, own in zip(loaded.frequency, loaded.amplitude, loaded.inherent_damping, strict=True):
@@ -257,22 +258,6 @@ def _largest_speed(mount: Mount, modes: Modes, particles: float, duration: float
         system = ([[0, 1], [-(w**2), -2 * zeta * w]], [[0], [phi]], [[0, phi]], [[0]])
         speed += lsim(system, force, time)[1]
     return float(np.abs(speed).max())
-
-
-def _sampled(force: Force, duration: float) -> tuple[np.ndarray, np.ndarray]:
-    """A force as samples, evenly spaced [s], [N]."""
-    if force.samples is not None:
-        return np.arange(len(force.samples)) * force.sample_step, force.samples
-    time = np.arange(math.ceil(duration * force.frequency * forces.SAMPLES) + 1) / (force.frequency * forces.SAMPLES)
-    return time, force.amplitude * np.sin(2 * math.pi * force.frequency * time)
-
-
-def applied(force: Force, time: np.ndarray) -> np.ndarray:
-    """A force at given moments [N]."""
-    whole = force.amplitude * np.sin(2 * math.pi * force.frequency * time) if force.amplitude else np.zeros(len(time))
-    if force.samples is not None:
-        whole += np.interp(time, np.arange(len(force.samples)) * force.sample_step, force.samples)
-    return whole
 
 
 def _assembled(config: Config, runs, found, every) -> xr.Dataset:
@@ -292,7 +277,7 @@ def _assembled(config: Config, runs, found, every) -> xr.Dataset:
         "reaction": (series, records[..., 3]),
     }
     if not own.release:
-        data["applied_force"] = (("level", "time"), np.array([applied(force, time) for force in every]))
+        data["applied_force"] = (("level", "time"), np.array([forces.applied(force, time) for force in every]))
     for name in ("force_work", "structure_loss", "particle_loss", "closure", "cpu_time"):
         data[name] = (("level", "seed"), [[found[i, j][name] for j in range(shape[1])] for i in range(shape[0])])
     dataset = xr.Dataset(data, {"level": own.levels, "seed": seeds, "time": ("time", time, {"units": "s"})})
@@ -322,7 +307,9 @@ def _identified(own: CoupledConfig, runs, found, shape) -> xr.Dataset:
     for i in range(shape[0]):
         force = runs[i, 0].scene.mount.force
         pairs = [
-            (applied(force, one["records"][:, 0]), one["records"][:, 1]) for (k, _), one in found.items() if k == i
+            (forces.applied(force, one["records"][:, 0]), one["records"][:, 1])
+            for (k, _), one in found.items()
+            if k == i
         ]
         frequency, curve = accelerance(pairs, step, AVERAGES if own.random else 1)
         curves.append(curve)

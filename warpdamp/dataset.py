@@ -14,7 +14,7 @@ from .results import INTEGERS, NOT_RUN, describe, provenance
 from .rounds import called_for
 from .scene import STANDARD_GRAVITY
 from .steady import Status
-from .tolerance import allowed, combined
+from .tolerance import PARTS, allowed, combined
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -172,15 +172,6 @@ def _with_seeds_that_ran(dataset: xr.Dataset, config: Config) -> xr.Dataset:
     return dataset.isel(seed=ran.any([dim for dim in ran.dims if dim != "seed"]).values)
 
 
-_PARTS = (
-    "energy_dissipated",
-    "energy_dissipated_standard_error",
-    "degrees_of_freedom",
-    "memory_error",
-    "discretisation_error",
-)
-
-
 def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
     """Mean over the packings of every point, what it is worth, and whether that is what was asked for."""
     import xarray as xr
@@ -191,7 +182,7 @@ def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
 
     status = over_packings("status")
     ran = ~np.isin(status, (Status.NOT_RUN, Status.EXCLUDED, Status.REFUSED))
-    answer = combined(*(over_packings(name) for name in _PARTS), ran)
+    answer = combined(*(over_packings(name) for name in PARTS), ran)
     found = {
         "energy_mean": answer.mean,
         "energy_mean_standard_error": answer.total_error,

@@ -10,6 +10,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from .config_coupled import RandomConfig, SweptConfig
+    from .scene import Force
 
 SAMPLES = 64
 """To a period of the highest frequency: straight lines then miss a sine by 0.12 % at most, (2 pi / 64)^2 / 8."""
@@ -73,6 +74,22 @@ def recorded(path: Path) -> tuple[np.ndarray, float]:
     if time[0] != 0 or step <= 0 or np.abs(time - step * np.arange(len(time))).max() > 0.05 * step:
         raise ValueError(f"{path}: time_s must start at 0 and be evenly spaced: resample the record")
     return values[:, 1].copy(), float(step)
+
+
+def moments(force: Force, duration: float) -> np.ndarray:
+    """When a force is worth looking at, evenly spaced [s]: at its samples, or often enough to see it swing."""
+    if force.samples is not None:
+        return np.arange(len(force.samples)) * force.sample_step
+    rate = SAMPLES * force.frequency
+    return np.arange(np.ceil(duration * rate) + 1) / rate
+
+
+def applied(force: Force, time: np.ndarray) -> np.ndarray:
+    """A force at given moments [N]."""
+    whole = force.amplitude * np.sin(2 * np.pi * force.frequency * time) if force.amplitude else np.zeros(len(time))
+    if force.samples is not None:
+        whole += np.interp(time, moments(force, time[-1]), force.samples)
+    return whole
 
 
 def _times(highest: float, duration: float) -> tuple[np.ndarray, float]:

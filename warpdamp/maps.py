@@ -52,6 +52,21 @@ def grid(n: int, *, width: float = 3.8, height: float = 3.1):
     return figure, axes[:n]
 
 
+def _maps(value: xr.DataArray, **style):
+    """A map over frequency and Gamma for each combination of the other scalars: figure, axes by panel, last image."""
+    chosen = panels(value, [dim for dim in value.dims if dim not in ("frequency", "gamma")])
+    figure, axes = grid(len(chosen), width=5.4 if len(chosen) == 1 else 3.8, height=4.2 if len(chosen) == 1 else 3.1)
+    frequency = value["frequency"].values
+    for ax, panel in zip(axes, chosen, strict=True):
+        image = ax.pcolormesh(
+            frequency, value["gamma"], value.isel(panel).transpose("gamma", "frequency"), shading="nearest", **style
+        )
+        ax.set_title(named(value, panel), fontsize=9)
+        _frequency_axis(ax, frequency)
+    axes[0].set_ylabel("Γ [-]")
+    return figure, list(zip(axes, chosen, strict=True)), image
+
+
 def phase_map(dataset: xr.Dataset) -> Figure:
     """Effectiveness over frequency and Gamma, mean over seeds, one panel a combination of the other scalars.
 
@@ -60,30 +75,22 @@ def phase_map(dataset: xr.Dataset) -> Figure:
     """
     value = dataset["effectiveness"]
     value = value.mean("seed") if "seed" in value.dims else value
-    chosen = panels(value, [dim for dim in value.dims if dim not in ("frequency", "gamma")])
     found = optimum(dataset)
-    figure, axes = grid(len(chosen), width=5.4 if len(chosen) == 1 else 3.8, height=4.2 if len(chosen) == 1 else 3.1)
     top = float(np.nanmax(value)) if np.isfinite(value).any() else 1.0
-    frequency = dataset["frequency"].values
-    for ax, panel in zip(axes, chosen, strict=True):
-        image = ax.pcolormesh(
-            frequency, dataset["gamma"], value.isel(panel).transpose("gamma", "frequency"), vmin=0, vmax=top,
-            cmap="viridis", shading="nearest",
-        )  # fmt: skip
+    figure, drawn, image = _maps(value, vmin=0, vmax=top, cmap="viridis")
+    for ax, panel in drawn:
         _lines(ax, dataset, panel)
         for name, marker in (("fluidisation", "o"), ("collision", "s")):
             own = found.isel({dim: k for dim, k in panel.items() if dim in found.dims})
             ax.errorbar(
-                frequency, own[f"gamma_{name}"], own[f"gamma_{name}_standard_error"], fmt=marker, ms=4, lw=0.8,
-                mfc="none", color="white", label=f"optimum of {name}",
+                dataset["frequency"], own[f"gamma_{name}"], own[f"gamma_{name}_standard_error"], fmt=marker, ms=4,
+                lw=0.8, mfc="none", color="white", label=f"optimum of {name}",
             )  # fmt: skip
         ax.set_ylim(float(dataset["gamma"].min()), float(dataset["gamma"].max()))
-        ax.set_title(named(value, panel), fontsize=9)
-        _frequency_axis(ax, frequency)
-    axes[0].set_ylabel("Γ [-]")
+    axes = [ax for ax, _ in drawn]
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, fontsize=7, loc="outside lower center", ncols=2, facecolor="0.4", labelcolor="white")
-    figure.colorbar(image, ax=list(axes), label="effectiveness [-]")
+    figure.colorbar(image, ax=axes, label="effectiveness [-]")
     figure.suptitle(dataset.attrs.get("title", ""), fontsize=11)
     return figure
 
@@ -99,21 +106,11 @@ def regime_map(dataset: xr.Dataset) -> Figure:
 
     label = regime(dataset)
     label = label.isel(seed=0) if "seed" in label.dims else label
-    chosen = panels(label, [dim for dim in label.dims if dim not in ("frequency", "gamma")])
-    figure, axes = grid(len(chosen), width=5.4 if len(chosen) == 1 else 3.8, height=4.2 if len(chosen) == 1 else 3.1)
     kinds = list(Regime)
     colours = ListedColormap([{"UNKNOWN": "white"}.get(kind.name, f"C{kind.value}") for kind in kinds])
     norm = BoundaryNorm(np.arange(len(kinds) + 1) - 0.5, len(kinds))
-    frequency = dataset["frequency"].values
-    for ax, panel in zip(axes, chosen, strict=True):
-        image = ax.pcolormesh(
-            frequency, dataset["gamma"], label.isel(panel).transpose("gamma", "frequency"), norm=norm, cmap=colours,
-            shading="nearest",
-        )  # fmt: skip
-        ax.set_title(named(label, panel), fontsize=9)
-        _frequency_axis(ax, frequency)
-    axes[0].set_ylabel("Γ [-]")
-    bar = figure.colorbar(image, ax=list(axes), ticks=[kind.value for kind in kinds])
+    figure, drawn, image = _maps(label, norm=norm, cmap=colours)
+    bar = figure.colorbar(image, ax=[ax for ax, _ in drawn], ticks=[kind.value for kind in kinds])
     bar.ax.set_yticklabels([kind.name.lower().replace("_", " ") for kind in kinds])
     figure.suptitle(dataset.attrs.get("title", ""), fontsize=11)
     return figure

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .files import whole_file
 from .maps import grid, named, panels, phase_map, scattered
 from .results import over_seeds
 
@@ -100,8 +101,5 @@ def _title(dataset, value, panel) -> str:
 
 def save(figure: Figure, path: Path) -> None:
     """Write a picture whole or not at all, in the format of its suffix."""
-    import os
-
-    part = path.with_name(f".{path.name}.part")
-    figure.savefig(part, format=path.suffix[1:])
-    os.replace(part, path)
+    with whole_file(path) as part:
+        figure.savefig(part, format=path.suffix[1:])

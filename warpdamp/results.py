@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import platform
-import tempfile
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .files import whole_file
 from .ledger import CHANNELS, TOTALS
 from .steady import Status
 
@@ -184,10 +183,6 @@ def read(path: Path) -> xr.Dataset:
 
 
 def write(dataset: xr.Dataset, path: Path) -> None:
-    """Write a netCDF file so that a reader finds the old file or the new one, never a part."""
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".writing-") as folder:
-        part = Path(folder) / path.name
+    """Write a netCDF file whole or not at all."""
+    with whole_file(path) as part:
         dataset.to_netcdf(part, engine="netcdf4")
-        with open(part, "rb+") as file:
-            os.fsync(file.fileno())
-        os.replace(part, path)

@@ -12,20 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .plan import RUN
-from .tolerance import packings_called_for
+from .tolerance import PARTS, packings_called_for
 
 if TYPE_CHECKING:
     from .plan import Plan
     from .store import Finished
 
-_VALUES = (
-    "energy_dissipated",
-    "energy_dissipated_standard_error",
-    "degrees_of_freedom",
-    "memory_error",
-    "discretisation_error",
-    "maximum_energy",
-)
+_VALUES = (*PARTS, "maximum_energy")
 
 NEEDED = ("status", *_VALUES)
 """What of the finished cases is looked at."""

@@ -14,6 +14,7 @@ from pathlib import Path
 from . import PHYSICS_VERSION
 from .effects import Effects
 from .engine import Batch, Case
+from .files import whole_file
 from .packing import Request, cache_folder, prepare
 from .scene import STANDARD_GRAVITY, Cylinder, Drive, Grains, Material, Scene, State, Surface
 
@@ -118,9 +119,9 @@ def remember(measured: Callable, spent: dict[Effects, list[float]]) -> None:
     kept = _kept() | {_key(measured, effects): statistics.median(times) for effects, times in spent.items()}
     path = _file()
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_suffix(f".{os.getpid()}.tmp")
-    part.write_text(json.dumps({"machine": _machine(), "date": f"{time.strftime('%Y-%m-%d')}", "nanoseconds": kept}))
-    os.replace(part, path)
+    told = {"machine": _machine(), "date": f"{time.strftime('%Y-%m-%d')}", "nanoseconds": kept}
+    with whole_file(path) as part:
+        part.write_text(json.dumps(told))
 
 
 def recall(measured: Callable, effects: Effects) -> float | None:

@@ -18,8 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files import whole_file
 from .modes import Modes, mass_normalised
-from .whole import whole_file
 
 NEEDED = ("mode", "frequency_Hz", "x_m", "y_m", "z_m")
 SHAPES = ("u_x", "u_y", "u_z")

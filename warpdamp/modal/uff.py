@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files import whole_file
 from .extra import needs
 from .modes import Modes, mass_normalised
-from .whole import whole_file
 
 SUFFIXES = (".uff", ".unv", ".uf")
 UNITS = {  # code, name: what turns metres and newtons into the file's units
