@@ -56,6 +56,21 @@ def test_the_rule(energies, step, packings):
     assert found == packings
 
 
+def test_what_their_own_errors_take_is_called_for_at_once():
+    """Errors of 8 % and 6 % each and a step's 3 %: (64 + 36) / (25 - 9) = 6.25 packings, if they all agree."""
+    energies = np.array([1.0, 1.0, 1.0, *[np.nan] * 7])
+
+    def every(value):
+        return np.full(10, value)
+
+    given = every(0.06), every(20.0), every(0.08), every(0.03), every(4.0), 0.05
+    assert packings_called_for(energies, *given) == 7
+    energies[:7] = 1.0
+    assert packings_called_for(energies, *given) == 7  # and it is enough
+    energies[5:7] = 1.4, 0.6
+    assert packings_called_for(energies, *given) == 8
+
+
 def test_points_get_what_they_need(undisturbed):
     packings = undisturbed["packings"].values.ravel()
     assert packings.min() == 3

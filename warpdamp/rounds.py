@@ -1,7 +1,7 @@
 """Which cases of a study are called for, as far as those that are finished tell.
 
-Without a tolerance all of them.  With one every point begins with a few packings and gets more of them, one by one,
-until they tell its energy well enough.  The answer depends on finished cases only, not on when and where they ran: a
+Without a tolerance all of them.  With one every point begins with a few packings and gets more of them until they tell
+its energy well enough.  The answer depends on finished cases only, not on when and where they ran: a
 study that was interrupted goes on as it would have.
 """
 

@@ -112,7 +112,10 @@ def applied(config: Config) -> Config:
 
 
 def packings_called_for(energies, errors, degrees, memories, steps, largest, tolerance: float) -> int:
-    """How many of a point's packings it takes, as far as those that ran tell: a few, and more while they disagree.
+    """How many of a point's packings it takes, as far as those that ran tell.
+
+    A few; then at once as many as their own errors would take if all agreed, so that their beds are made side by side;
+    then one more at a time while they disagree.
 
     Parameters
     ----------
@@ -126,9 +129,10 @@ def packings_called_for(energies, errors, degrees, memories, steps, largest, tol
     while n < len(energies) and np.isfinite(energies[:n]).all():
         answer = combined(energies[:n], errors[:n], degrees[:n], memories[:n], steps[:n])
         limit = allowed(tolerance, answer.mean, largest[0])
-        if answer.total_error <= limit or answer.step_error > limit:  # more packings do not mend a step
+        if answer.total_error <= limit or answer.step_error >= limit:  # more packings do not mend a step
             break
-        n += 1
+        own = np.mean(np.hypot(errors[:n], memories[:n]) ** 2) / (limit**2 - answer.step_error**2)
+        n = min(max(n + 1, math.ceil(own)), len(energies))
     return n
 
 
