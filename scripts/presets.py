@@ -60,7 +60,8 @@ def main() -> None:
     presets["one_packing"] = others.std("seed", ddof=1) / truth
     presets.attrs = {
         "title": "Presets of accuracy against other packings",
-        "reference": f"{len(OTHERS)} packings, {CYCLES} cycles each",
+        "packings": len(OTHERS),
+        "reference": f"{len(OTHERS)} other packings, {CYCLES} cycles each",
     }
     write(presets, ROOT / "docs" / "presets.nc")
     print(presets)
