@@ -68,73 +68,104 @@ def work(
     Exception
         What a call raises, other than by the death of its worker.
     """
-    again: deque[Batch] = deque()
-    suspects: deque[Batch] = deque()
-    flying: dict[Future, tuple[Batch, float]] = {}
-    source = iter(batches)
+    shift = _Shift(batches, crew, submit)
+    while shift.launch():
+        yield from shift.landed()
+        yield from shift.given_up()
+        report(len(shift.flying))
 
-    def following() -> Batch | None:
-        if again:
-            return again.popleft()
-        batch = next(source, None)
-        if batch is None and suspects and not flying:
-            return suspects.popleft()
+
+@dataclass(frozen=True)
+class _Missing:
+    """A batch that did not come back, and why."""
+
+    batch: Batch
+    reason: str
+    overdue: bool = False
+
+
+class _Shift:
+    """Who is at what, and what has to be done again."""
+
+    def __init__(self, batches: Iterator[Batch], crew: Crew, submit: Callable[[Batch], tuple]):
+        self.source, self.crew, self.submit = iter(batches), crew, submit
+        self.flying: dict[Future, tuple[Batch, float]] = {}
+        self.again: deque[Batch] = deque()
+        self.suspects: deque[Batch] = deque()
+        self.missing: list[_Missing] = []
+
+    def launch(self) -> bool:
+        """Give everybody something to do; whether anything is in progress."""
+        while len(self.flying) < self.crew.width and not any(batch.suspect for batch, _ in self.flying.values()):
+            batch = self._following()
+            if batch is None:
+                break
+            call, *arguments = self.submit(batch)
+            try:
+                self.flying[self.crew.submit(call, *arguments)] = batch, time.monotonic()
+            except BrokenExecutor:  # a worker died between two looks
+                self.again.appendleft(batch)
+                self.crew.revive(hanging=False)
+        return bool(self.flying)
+
+    def _following(self) -> Batch | None:
+        if self.again:
+            return self.again.popleft()
+        batch = next(self.source, None)
+        if batch is None and self.suspects and not self.flying:
+            return self.suspects.popleft()
         return batch
 
-    def launch() -> None:
-        while len(flying) < crew.width and not any(batch.suspect for batch, _ in flying.values()):
-            batch = following()
-            if batch is None:
-                return
-            call, *arguments = submit(batch)
-            try:
-                flying[crew.submit(call, *arguments)] = batch, time.monotonic()
-            except BrokenExecutor:  # a worker died between two looks
-                again.appendleft(batch)
-                crew.revive(hanging=False)
-
-    def lost(batch: Batch, *, overdue: bool, reason: str) -> tuple[Batch, Lost] | None:
-        batch.losses += 1
-        _log.warning("a batch of %d did not come back (%s), for the %d. time", len(batch.parts), reason, batch.losses)
-        if batch.losses < LOSSES and not overdue:
-            (suspects if batch.suspect else again).append(batch)
-        elif len(batch.parts) > 1 or not batch.suspect:
-            suspects.extend(batch.apart())
-        else:
-            return batch, Lost(overdue, reason)
-        return None
-
-    while True:
-        launch()
-        if not flying:
-            return
-        done, _ = wait(flying, timeout=TICK, return_when=FIRST_COMPLETED)
-        dead = []
+    def landed(self) -> Iterator[tuple[Batch, object]]:
+        """Wait for a while; yields what came back with its result, and notes what did not."""
+        done, _ = wait(self.flying, timeout=TICK, return_when=FIRST_COMPLETED)
         for future in done:
-            batch, _ = flying.pop(future)
+            batch, _ = self.flying.pop(future)
             try:
                 result = future.result()
             except Exception as error:
                 if not _is_death(error):
                     raise
-                dead.append((batch, False, f"its worker died: {error}"))
-                continue
-            yield batch, result
-        now = time.monotonic()
-        late = [f for f, (batch, started) in flying.items() if now - started > batch.limit]
-        for future in late:
-            batch, _ = flying.pop(future)
-            dead.append((batch, True, f"it took more than {batch.limit:.0f} s"))
-        if dead and crew.revive(hanging=bool(late)):
-            if late:  # the others were stopped for no fault of theirs
-                again.extend(batch for batch, _ in flying.values())
+                self.missing.append(_Missing(batch, f"its worker died: {error}"))
             else:
-                dead += [(batch, False, "its worker died, or another's did") for batch, _ in flying.values()]
-            flying.clear()
-        for batch, overdue, reason in dead:
-            if given_up := lost(batch, overdue=overdue, reason=reason):
-                yield given_up
-        report(len(flying))
+                yield batch, result
+
+    def given_up(self) -> Iterator[tuple[Batch, Lost]]:
+        """Have what is missing done again, with new workers where need be; yields what is given up."""
+        hanging = self._overdue()
+        missing, self.missing = self.missing + hanging, []
+        if missing and self.crew.revive(hanging=bool(hanging)):
+            others = [batch for batch, _ in self.flying.values()]
+            self.flying.clear()
+            if hanging:  # they were stopped for no fault of theirs
+                self.again.extend(others)
+            else:
+                missing += [_Missing(batch, "its worker died, or another's did") for batch in others]
+        for one in missing:
+            if not self._done_again(one):
+                yield one.batch, Lost(one.overdue, one.reason)
+
+    def _overdue(self) -> list[_Missing]:
+        """What has been in progress for too long, and is not waited for any more."""
+        now = time.monotonic()
+        late = [future for future, (batch, started) in self.flying.items() if now - started > batch.limit]
+        batches = [self.flying.pop(future)[0] for future in late]
+        return [_Missing(batch, f"it took more than {batch.limit:.0f} s", overdue=True) for batch in batches]
+
+    def _done_again(self, missing: _Missing) -> bool:
+        """Whether a batch is tried once more: as it is, taken apart, or alone."""
+        batch = missing.batch
+        batch.losses += 1
+        _log.warning(
+            "a batch of %d did not come back (%s), for the %d. time", len(batch.parts), missing.reason, batch.losses
+        )
+        if batch.losses < LOSSES and not missing.overdue:
+            (self.suspects if batch.suspect else self.again).append(batch)
+        elif len(batch.parts) > 1 or not batch.suspect:
+            self.suspects.extend(batch.apart())
+        else:
+            return False
+        return True
 
 
 def _is_death(error: Exception) -> bool:
