@@ -244,8 +244,8 @@ def test_a_case_that_raises_does_not_take_others_along(tiny, undisturbed, monkey
 def nap(items):
     """For a worker: sleep, die or answer, as the items say."""
     for item in items:
-        if item == "hang":
-            time.sleep(3600)
+        if item in ("rest", "hang"):
+            time.sleep(3 if item == "rest" else 3600)
         if item == "die":
             os._exit(9)
     return [item.upper() for item in items]
@@ -254,10 +254,13 @@ def nap(items):
 LIMIT = 8.0  # seconds, in which a process must start on a busy machine
 
 
-def test_workers_that_hang_or_die_are_replaced(monkeypatch):
+@pytest.mark.parametrize("how", ["processes", "dask"])
+def test_workers_that_hang_or_die_are_replaced(how, monkeypatch):
+    if how == "dask":
+        pytest.importorskip("distributed")
     monkeypatch.setattr(foreman, "TICK", 0.05)
     every = [["a", "hang"], ["b", "die"], ["c"], ["d"]]
-    with crew("processes", 2) as own:
+    with crew(how, 2) as own:
         answers = list(
             work((Batch(items, LIMIT) for items in every), own, lambda batch: (nap, batch.parts), lambda busy: None)
         )
@@ -265,6 +268,19 @@ def test_workers_that_hang_or_die_are_replaced(monkeypatch):
     assert good == ["A", "B", "C", "D"]
     lost = {batch.parts[0]: answer.overdue for batch, answer in answers if isinstance(answer, Lost)}
     assert lost == {"hang": True, "die": False}
+
+
+def test_a_cluster_that_loses_all_workers_is_not_taken_for_cases_that_hang(monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(foreman, "TICK", 0.05)
+    monkeypatch.setattr(executors, "COMES_BACK_WITHIN", 1.0)
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, processes=False) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        batches = iter([Batch(["rest"], 0.5), Batch(["a"], 0.5)])
+        with pytest.raises(OSError, match=r"no Dask worker came back within 1 s"):
+            list(work(batches, executors.Cluster(client), lambda batch: (nap, batch.parts), lambda busy: None))
 
 
 def test_an_executor_of_ones_own(tiny, undisturbed, same):

@@ -19,6 +19,13 @@ from multiprocessing import get_context
 ANSWERS_WITHIN = 15.0
 """Seconds that a Dask scheduler has to answer."""
 
+COMES_BACK_WITHIN = 120.0
+"""Seconds that a Dask cluster has for its first new worker after a restart."""
+
+LOCAL_DASK = {"distributed.scheduler.allowed-failures": 0, "distributed.deploy.lost-worker-timeout": "1 day"}
+"""Of a cluster started here.  What was lost with a worker is this program's to try again, not Dask's three more times;
+and a worker that is being restarted is not to be given up because another restart came 15 s before."""
+
 
 class Crew:
     """An executor of one's own, with ``width`` calls at a time; what dies or hangs in it cannot be replaced."""
@@ -101,9 +108,22 @@ class Cluster(Crew):
         return max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
 
     def revive(self, *, hanging: bool) -> bool:
-        """Restart the workers if one hangs; after a death Dask has done what is needed."""
+        """Restart the workers if one hangs; after a death Dask has done what is needed.
+
+        Raises
+        ------
+        OSError
+            If no worker comes back.
+        """
         if hanging:
             self._client.restart(wait_for_workers=False)
+            try:
+                self._client.wait_for_workers(1, timeout=COMES_BACK_WITHIN)
+            except TimeoutError:
+                raise OSError(
+                    "a batch was over its limit of time, and no Dask worker came back within "
+                    f"{COMES_BACK_WITHIN:.0f} s of a restart: what is finished is kept: start again"
+                ) from None
         return hanging
 
 
@@ -149,11 +169,13 @@ def crew(kind: str | Executor, workers: int | None) -> Iterator[Crew]:
 @contextmanager
 def _dask(kind: str, workers: int | None):
     try:
+        from dask import config
         from distributed import Client, LocalCluster
     except ImportError:
         raise OSError("Dask is not installed: pip install 'warpdamp[cluster]'") from None
     if kind == "dask":
         with (
+            config.set(LOCAL_DASK),
             LocalCluster(n_workers=workers or os.cpu_count(), threads_per_worker=1, dashboard_address=None) as cluster,
             Client(cluster) as client,
         ):
