@@ -59,7 +59,7 @@ class AccuracyConfig(Model):
     """
 
     tolerance: Annotated[Number, Field(gt=0, le=0.5)]
-    most_packings: Annotated[StrictInt, Field(ge=FEWEST_PACKINGS, le=100)] = 20
+    most_packings: Annotated[StrictInt, Field(ge=FEWEST_PACKINGS, le=100)] = 32
 
     @model_validator(mode="before")
     @classmethod
