@@ -1,16 +1,20 @@
 """Beds that fit, rest, and are reproducible."""
 
+import logging
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
 
-from warpdamp import Cylinder, Grains, PackingError, Request, State, prepare
+from warpdamp import Cylinder, Grains, PackingError, Request, State, packing, prepare
 from warpdamp.packing import cache_folder, fill, separate, settle
 from warpdamp.timestep import Numerics
 
 RADIUS = 3.73e-3
 PAPER = Grains.alike(RADIUS, 120)
 CAVITY = Cylinder(0.04, 0.04)
+DATA = Path(__file__).parent / "data"
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -54,6 +58,20 @@ def test_a_loose_bed_rests_holds_together_and_repeats(damper):
         assert np.array_equal(getattr(bed.state, name), getattr(again.state, name))
         assert np.array_equal(getattr(bed.state, name), getattr(stored.state, name))
     assert again.clearance == stored.clearance == bed.clearance
+
+
+def test_a_jam_that_gains_energy_is_settled_at_a_finer_step(damper, caplog, monkeypatch):
+    """Of 52 beds of the paper one met this on its way: spheres 30 and 89, each in many deep contacts."""
+    with np.load(DATA / "jam.npz") as file:
+        jam = State(**file)
+    scene, coarse = damper(), Numerics(steps_per_contact=12.0)
+    with caplog.at_level(logging.INFO, "warpdamp.packing"):
+        rested = settle(scene, jam, coarse)
+    assert "again with 24 steps a contact" in caplog.text
+    assert np.abs(rested.velocity).max() < 0.02
+    monkeypatch.setattr(packing, "HALVINGS", 0)
+    with pytest.raises(PackingError, match="the bed gained energy from nowhere"):
+        settle(scene, jam, coarse)
 
 
 def test_settling_releases_no_energy(damper):

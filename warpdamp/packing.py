@@ -9,6 +9,9 @@
     below that over the ten blocks before.  Half the steps a contact of the study are enough for that.  A bed that has
     been shaken for some time, as any damper in service has.
 
+A part of either that gains energy from nowhere is repeated at half the step.  Dashpots act on predicted velocities,
+which is stable while the rate at which they damp a motion is below 1 / dt; in a jam the contacts of one sphere add up.
+
 Every bed is reproducible from its inputs, and is kept on disk under their hash.
 """
 
@@ -21,7 +24,9 @@ import logging
 import math
 import os
 import zipfile
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -51,6 +56,9 @@ STILL = 0.0025  # of a diameter
 FEWEST_BLOCKS, MOST_BLOCKS = 30, 60
 RECIPE = (GROWN, SHAKING_GAMMA, SHAKING_AMPLITUDE, BLOCK, WINDOW, STILL, FEWEST_BLOCKS, MOST_BLOCKS)
 """A part of every bed's key, so that beds made by another recipe are not taken for these."""
+
+HALVINGS = 2
+"""How often the step is halved at the most."""
 
 _USUAL = Numerics()
 
@@ -276,8 +284,33 @@ def _overlap_forces(x, r, half, height):
     return force, max(worst, np.max(np.maximum(np.maximum(side, floor), lid) / r))
 
 
+class _OutOfBalance(PackingError):
+    """Energy came from nowhere."""
+
+
+def _balanced(part: Callable[[Numerics], State], numerics: Numerics) -> State:
+    """A part of making a bed, at the usual step or, where that gains energy, at a finer one.
+
+    Raises
+    ------
+    PackingError
+        If the finest gains energy, too.
+    """
+    for _ in range(HALVINGS):
+        try:
+            return part(numerics)
+        except _OutOfBalance:
+            numerics = replace(numerics, steps_per_contact=2 * numerics.steps_per_contact)
+            _log.info("a bed gained energy from nowhere: again with %g steps a contact", numerics.steps_per_contact)
+    return part(numerics)
+
+
 def settle(scene: Scene, state: State, numerics: Numerics = _USUAL, *, time: float | None = None) -> State:
     """Let a bed come to rest (or fall for a fixed ``time`` [s]) under the scene's gravity, enclosure at rest."""
+    return _balanced(partial(_settled, scene, state, time), numerics)
+
+
+def _settled(scene: Scene, state: State, time: float | None, numerics: Numerics) -> State:
     still = scene.driven(None)
     dt = contact_step(still, state, steps_per_contact=numerics.steps_per_contact)
     batch = Batch([Case(still, state, dt)], effects=numerics.effects(still, state))
@@ -312,16 +345,21 @@ def compact(scene: Scene, state: State, numerics: Numerics) -> tuple[State, int]
     shaken = scene.driven(Drive(frequency, acceleration, up))
     heights = [_height(scene, state)]
     for block in range(1, MOST_BLOCKS + 1):
-        steps = steps_per_cycle(shaken, state, steps_per_contact=numerics.steps_per_contact)
-        case = Case(shaken, state, 1 / (frequency * steps))
-        batch = Batch([case], max_rows=BLOCK + 1, effects=numerics.effects(shaken, state))
-        _run(batch, BLOCK * steps)
-        state = settle(scene, batch.read()[0][0], numerics)
+        state = settle(scene, _balanced(partial(_shaken, shaken, state), numerics), numerics)
         heights.append(_height(scene, state))
         if block >= FEWEST_BLOCKS and _fallen(heights) < STILL * diameter:
             return state, block
     _log.warning("bed still compacting after %d blocks of %d cycles of shaking", MOST_BLOCKS, BLOCK)
     return state, MOST_BLOCKS
+
+
+def _shaken(scene: Scene, state: State, numerics: Numerics) -> State:
+    """A bed after a block of cycles."""
+    steps = steps_per_cycle(scene, state, steps_per_contact=numerics.steps_per_contact)
+    case = Case(scene, state, 1 / (scene.drive.frequency * steps))
+    batch = Batch([case], max_rows=BLOCK + 1, effects=numerics.effects(scene, state))
+    _run(batch, BLOCK * steps)
+    return batch.read()[0][0]
 
 
 def _fallen(heights) -> float:
@@ -334,7 +372,7 @@ def _run(batch: Batch, steps: int) -> None:
     batch.advance(steps)
     ledger = Ledger(np.concatenate([before.rows, batch.read()[0][1].rows]), before.effects)
     if batch.status[0] != OK or residual_share(ledger) > LARGEST_RESIDUAL:
-        raise PackingError(
+        raise _OutOfBalance(
             "the bed gained energy from nowhere while it was prepared: raise numerics.steps_per_contact "
             "or take numerics.precision float64",
             "preparation",
