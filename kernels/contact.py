@@ -214,7 +214,13 @@ def contact_law(effects):
     def remembered_energy(law: Law, old: History):
         """Energy in the springs in the contact plane, St stretch^2 / 2 [J]: (tangential, rolling)."""
         half_stiffness = real(4.0) * law.shear_modulus * old.radius
-        return half_stiffness * wp.dot(old.stretch, old.stretch), half_stiffness * wp.dot(old.roll, old.roll)
+        tangential = real(0.0)
+        rolling = real(0.0)
+        if wp.static(effects.friction):
+            tangential = half_stiffness * wp.dot(old.stretch, old.stretch)
+        if wp.static(effects.rolling):
+            rolling = half_stiffness * wp.dot(old.roll, old.roll)
+        return tangential, rolling
 
     @wp.func
     def parted(law: Law, old: History):

@@ -65,28 +65,6 @@ def wall_contacts(effects):
         return motion
 
     @wp.func
-    def wall_history(c: Contacts, k: int):
-        """What the contact with a wall remembers."""
-        old = History()
-        if wp.static(effects.history):
-            old.radius = c.wall_radius[k]
-        if wp.static(effects.friction):
-            old.stretch = c.wall_stretch[k]
-        if wp.static(effects.rolling):
-            old.roll = c.wall_roll[k]
-        return old
-
-    @wp.func
-    def remember(c: Contacts, k: int, history: History):
-        """Store what the contact with a wall remembers."""
-        if wp.static(effects.history):
-            c.wall_radius[k] = history.radius
-        if wp.static(effects.friction):
-            c.wall_stretch[k] = history.stretch
-        if wp.static(effects.rolling):
-            c.wall_roll[k] = history.roll
-
-    @wp.func
     def wall_force(
         case: Case,
         p: wp.array(dtype=Particle),
@@ -105,6 +83,9 @@ def wall_contacts(effects):
         if gap < real(0.0):
             radius = radius_of(case, p, i)
             arm = radius + gap
+            old = History()
+            if wp.static(effects.history):
+                old = c.wall[3 * i + wall]
             f, rolling, history, lost = contact(
                 law_of(case, p, c, i),
                 radius,
@@ -112,18 +93,19 @@ def wall_contacts(effects):
                 -gap,
                 normal,
                 wall_motion(case, p, i, wall, radius, normal, arm, since),
-                wall_history(c, 3 * i + wall),
+                old,
                 h,
             )
             p[i].force += f
             if wp.static(effects.rotation):
                 p[i].torque += arm * wp.cross(f, normal) + radius * wp.cross(normal, rolling)
-            remember(c, 3 * i + wall, history)
+            if wp.static(effects.history):
+                c.wall[3 * i + wall] = history
             depth = -gap * wall_curvature(case, p, i)
         elif wp.static(effects.history):
-            if c.wall_radius[3 * i + wall] > real(0.0):
-                lost = parted(law_of(case, p, c, i), wall_history(c, 3 * i + wall))
-                remember(c, 3 * i + wall, History())
+            if c.wall[3 * i + wall].radius > real(0.0):
+                lost = parted(law_of(case, p, c, i), c.wall[3 * i + wall])
+                c.wall[3 * i + wall] = History()
         return f, lost, depth
 
     @wp.func
@@ -170,7 +152,7 @@ def wall_contacts(effects):
         if gap < real(0.0):
             stored[0] = wp.float64(elastic_energy(law_of(case, p, c, i), radius_of(case, p, i), -gap))
         if wp.static(effects.history):
-            tangential, rolling = remembered_energy(law_of(case, p, c, i), wall_history(c, 3 * i + wall))
+            tangential, rolling = remembered_energy(law_of(case, p, c, i), c.wall[3 * i + wall])
             stored[1] = wp.float64(tangential)
             stored[2] = wp.float64(rolling)
         return stored

@@ -167,23 +167,24 @@ def structs(effects):
             species: wp.int32
 
     @wp.struct
-    class Contacts:
-        """Neighbour list (pairs i < j sorted by i, then j), and what each contact remembers of the last step.
+    class History:
+        """What a contact remembers of the last step."""
 
-        A contact radius of 0: there was no contact.  In a mixture, the laws too.
-        """
+        radius: real  # contact radius a [m]; 0: there was no contact
+        if effects.friction:
+            stretch: vec3  # of the tangential spring [m]
+        if effects.rolling:
+            roll: vec3  # of the rolling spring [m]
+
+    @wp.struct
+    class Contacts:
+        """Neighbour list (pairs i < j sorted by i, then j), and what each contact remembers; in a mixture, the laws."""
 
         start: wp.array(dtype=wp.int32)  # pairs of i: start[i] .. start[i + 1] - 1
         partner: wp.array(dtype=wp.int32)
         if effects.history:
-            pair_radius: wp.array(dtype=real)  # contact radius a [m]
-            wall_radius: wp.array(dtype=real)  # 3 i + (0 side, 1 floor, 2 lid)
-        if effects.friction:
-            pair_stretch: wp.array(dtype=vec3)  # of the tangential spring [m]
-            wall_stretch: wp.array(dtype=vec3)
-        if effects.rolling:
-            pair_roll: wp.array(dtype=vec3)  # stretch of the rolling spring [m]
-            wall_roll: wp.array(dtype=vec3)
+            pair: wp.array(dtype=History)
+            wall: wp.array(dtype=History)  # 3 i + (0 side, 1 floor, 2 lid)
         if effects.materials:
             laws: wp.array(dtype=Law)
             wall_laws: wp.array(dtype=Law)
@@ -218,14 +219,6 @@ def structs(effects):
         turned: real  # of both about the normal since the last step, in the mean [rad]
         rolling: vec3  # R* (spin_i - spin_j) x normal, predicted for this step [m/s]
         rolled: vec3  # how far since the last step [m]
-
-    @wp.struct
-    class History:
-        """What a contact remembers."""
-
-        radius: real  # contact radius a [m]
-        stretch: vec3  # of the tangential spring [m]
-        roll: vec3  # of the rolling spring [m]
 
     return SimpleNamespace(
         real=real,

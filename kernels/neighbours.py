@@ -17,7 +17,7 @@ def neighbour_search(effects):
     """Return the kernels ``count_pairs`` and ``list_pairs`` for the given effects."""
     t = types(effects)
     real, vec3 = t.real, t.vec3
-    Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
+    Case, Particle, History, Contacts = t.Case, t.Particle, t.History, t.Contacts
     radius_of = grains(effects).radius_of
 
     @wp.func
@@ -66,22 +66,6 @@ def neighbour_search(effects):
                 return low
         return wp.int32(-1)
 
-    @wp.func
-    def carry_over(old: Contacts, fresh: Contacts, k: int, before: int):
-        """Copy what a contact remembers from the old list; nothing where there was none."""
-        if wp.static(effects.history):
-            fresh.pair_radius[k] = real(0.0)
-            if before >= 0:
-                fresh.pair_radius[k] = old.pair_radius[before]
-        if wp.static(effects.friction):
-            fresh.pair_stretch[k] = vec3()
-            if before >= 0:
-                fresh.pair_stretch[k] = old.pair_stretch[before]
-        if wp.static(effects.rolling):
-            fresh.pair_roll[k] = vec3()
-            if before >= 0:
-                fresh.pair_roll[k] = old.pair_roll[before]
-
     @wp.kernel(**UNIQUE)
     def list_pairs(
         grid: wp.uint64,
@@ -102,7 +86,8 @@ def neighbour_search(effects):
         if waiting[group[i]] == 0:
             for k in range(old.start[i], old.start[i + 1]):
                 fresh.partner[last] = old.partner[k]
-                carry_over(old, fresh, last, k)
+                if wp.static(effects.history):
+                    fresh.pair[last] = old.pair[k]
                 last += 1
             return
         case = cases[group[i]]
@@ -116,7 +101,10 @@ def neighbour_search(effects):
                 last += 1
         if wp.static(effects.history):
             for k in range(first, last):
-                carry_over(old, fresh, k, place_in(old, i, fresh.partner[k]))
+                before = place_in(old, i, fresh.partner[k])
+                fresh.pair[k] = History()
+                if before >= 0:
+                    fresh.pair[k] = old.pair[before]
         p[i].listed = p[i].position
         drifts[group[i]] = vec3()
 

@@ -57,28 +57,6 @@ def pair_contacts(effects):
         return motion
 
     @wp.func
-    def pair_history(c: Contacts, k: int):
-        """What the pair's contact remembers."""
-        old = History()
-        if wp.static(effects.history):
-            old.radius = c.pair_radius[k]
-        if wp.static(effects.friction):
-            old.stretch = c.pair_stretch[k]
-        if wp.static(effects.rolling):
-            old.roll = c.pair_roll[k]
-        return old
-
-    @wp.func
-    def remember(c: Contacts, k: int, history: History):
-        """Store what the pair's contact remembers."""
-        if wp.static(effects.history):
-            c.pair_radius[k] = history.radius
-        if wp.static(effects.friction):
-            c.pair_stretch[k] = history.stretch
-        if wp.static(effects.rolling):
-            c.pair_roll[k] = history.roll
-
-    @wp.func
     def pair_forces(case: Case, p: wp.array(dtype=Particle), c: Contacts, h: real, since: real):
         """Add all pair forces and torques of a case; return its losses [J] and its largest overlap over R*.
 
@@ -103,6 +81,9 @@ def pair_contacts(effects):
                     normal = (real(1.0) / distance) * branch
                     arm = lever_arm(case, p, i, j, distance)
                     radius = reduced_radius(case, p, i, j)
+                    old = History()
+                    if wp.static(effects.history):
+                        old = c.pair[k]
                     f, rolling, history, lost = contact(
                         pair_law(case, p, c, i, j),
                         radius,
@@ -110,7 +91,7 @@ def pair_contacts(effects):
                         reach - distance,
                         normal,
                         pair_motion(case, p, i, j, distance, normal, arm, since),
-                        pair_history(c, k),
+                        old,
                         h,
                     )
                     force += f
@@ -120,13 +101,14 @@ def pair_contacts(effects):
                         resisting = radius * wp.cross(normal, rolling)
                         torque += arm * moment + resisting
                         p[j].torque += (distance - arm) * moment - resisting
-                    remember(c, k, history)
+                    if wp.static(effects.history):
+                        c.pair[k] = history
                     losses += lost
                     largest = at_least(largest, (reach - distance) * curvature(case, p, i, j))
                 elif wp.static(effects.history):
-                    if c.pair_radius[k] > real(0.0):
-                        losses += parted(pair_law(case, p, c, i, j), pair_history(c, k))
-                        remember(c, k, History())
+                    if c.pair[k].radius > real(0.0):
+                        losses += parted(pair_law(case, p, c, i, j), c.pair[k])
+                        c.pair[k] = History()
             p[i].force += force
             if wp.static(effects.rotation):
                 p[i].torque += torque
@@ -146,7 +128,7 @@ def pair_contacts(effects):
                     radius = reduced_radius(case, p, i, j)
                     stored[0] += wp.float64(elastic_energy(pair_law(case, p, c, i, j), radius, overlap))
                 if wp.static(effects.history):
-                    tangential, rolling = remembered_energy(pair_law(case, p, c, i, j), pair_history(c, k))
+                    tangential, rolling = remembered_energy(pair_law(case, p, c, i, j), c.pair[k])
                     stored[1] += wp.float64(tangential)
                     stored[2] += wp.float64(rolling)
         return stored

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
-PHYSICS_VERSION = 3
+PHYSICS_VERSION = 4
 """Raised whenever a change alters results, so that cached beds and stored results of old physics are not mixed in."""
 
 RESULTS_VERSION = 2

@@ -201,7 +201,7 @@ class Batch:
         wp.utils.array_scan(self._counts, fresh.start, inclusive=False)
         total = int(fresh.start.numpy()[-1])
         for name, variable in t.Contacts.vars.items():
-            if name == "partner" or name.startswith("pair_"):
+            if name in ("partner", "pair"):
                 setattr(fresh, name, wp.empty(total, dtype=variable.type.dtype, device=DEVICE))
             elif name != "start":
                 setattr(fresh, name, getattr(old, name))
@@ -282,7 +282,7 @@ class Batch:
         """Go back to a ``checkpoint``."""
         pairs = checkpoint["partner"].shape[0]
         for name, variable in self._types.Contacts.vars.items():
-            if name == "partner" or name.startswith("pair_"):
+            if name in ("partner", "pair"):
                 setattr(self._contacts, name, wp.empty(pairs, dtype=variable.type.dtype, device=DEVICE))
         for name, array in self._changing().items():
             array.assign(checkpoint[name])
@@ -310,8 +310,7 @@ class Batch:
         p, c, t = self._particles, self._contacts, self._types
         copy_p, copy_c = wp.clone(p), t.Contacts()
         for name in t.Contacts.vars:
-            changes = name.startswith(("pair_", "wall_")) and name != "wall_laws"
-            setattr(copy_c, name, wp.clone(getattr(c, name)) if changes else getattr(c, name))
+            setattr(copy_c, name, wp.clone(getattr(c, name)) if name in ("pair", "wall") else getattr(c, name))
         copy_m = t.Mount()
         for name in t.Mount.vars:
             value = getattr(self._mount, name)

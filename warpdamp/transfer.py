@@ -82,31 +82,20 @@ class Transfer:
         """The struct of contacts that the states remember, with tables of ``laws``."""
         numbered = [_numbered(s, order) for s, order in zip(self.states, self.order, strict=True)]
         pairs = np.concatenate([p + first for (p, _, _), first in zip(numbered, self.first[:-1], strict=True)])
-        history = np.concatenate([history for _, history, _ in numbered])
-        values = {
-            "start": np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(self)))]),
-            "partner": pairs[:, 1],
-            "pair_radius": history[:, 3],
-            "pair_stretch": history[:, :3],
-            "pair_roll": np.concatenate([roll for _, _, roll in numbered]),
-        }
-        walls = {
-            "wall_radius": [s.wall_history[..., 3] for s in self.states],
-            "wall_stretch": [s.wall_history[..., :3] for s in self.states],
-            "wall_roll": [s.wall_roll for s in self.states],
-        }
+        start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(self)))])
         c = self.types.Contacts()
-        for name, variable in self.types.Contacts.vars.items():
-            dtype = variable.type.dtype
-            if name in laws:
-                table = wp.array(laws[name], dtype=dtype, device=DEVICE)
-            elif name in walls:
-                table = wp.zeros(3 * len(self), dtype=dtype, device=DEVICE)
-                column = table.numpy()
-                self._set(column.reshape(len(self), 3, *column.shape[1:]), walls[name])
-            else:
-                table = self.array(values[name], dtype)
-            setattr(c, name, table)
+        c.start, c.partner = self.array(start, wp.int32), self.array(pairs[:, 1], wp.int32)
+        known = self.types.Contacts.vars
+        for name in known.keys() & laws.keys():
+            setattr(c, name, wp.array(laws[name], dtype=self.types.Law, device=DEVICE))
+        if "pair" in known:
+            c.pair = wp.zeros(len(pairs), dtype=self.types.History, device=DEVICE)
+            history, roll = (np.concatenate([own[k] for own in numbered]) for k in (1, 2))
+            _remember(c.pair.numpy(), history, roll)
+            c.wall = wp.zeros(3 * len(self), dtype=self.types.History, device=DEVICE)
+            walls = c.wall.numpy().reshape(len(self), 3)
+            for first, own, order in zip(self.first, self.states, self.order, strict=False):
+                _remember(walls[first : first + len(order)], own.wall_history[order], own.wall_roll[order])
         return c
 
     def listed(self, k: int, contacts, part: int = 10_000) -> Iterator[np.ndarray]:
@@ -123,22 +112,15 @@ class Transfer:
         before, first, last = self.states[k], self.first[k], self.first[k + 1]
         n = last - first
         back = np.argsort(self.order[k])
-        own, known = particles.numpy()[first:last], self.types.Contacts.vars
+        own = particles.numpy()[first:last]
 
         def of_particles(name, start):
             return own[name][back].astype(float, copy=False) if name in own.dtype.names else start.copy()
 
-        def of_walls(name):
-            column = getattr(contacts, name).numpy()
-            return column[3 * first : 3 * last].reshape(n, 3, *column.shape[1:])[back]
-
         wall_history, wall_roll = np.zeros((n, 3, 4)), np.zeros((n, 3, 3))
-        if "wall_radius" in known:
-            wall_history[..., 3] = of_walls("wall_radius")
-        if "wall_stretch" in known:
-            wall_history[..., :3] = of_walls("wall_stretch")
-        if "wall_roll" in known:
-            wall_roll[:] = of_walls("wall_roll")
+        if "wall" in self.types.Contacts.vars:
+            walls = contacts.wall.numpy()[3 * first : 3 * last].reshape(n, 3)
+            wall_history, wall_roll = _recalled(walls[back])
         return State(
             position=of_particles("position", before.position),
             velocity=of_particles("half_velocity", before.velocity),
@@ -152,21 +134,34 @@ class Transfer:
 
     def _touching(self, k: int, contacts) -> dict[str, np.ndarray]:
         """The pairs of case ``k`` that touch, and what they remember."""
-        if "pair_radius" not in self.types.Contacts.vars:
+        if "pair" not in self.types.Contacts.vars:
             return {"pairs": np.zeros((0, 2), np.int32), "pair_history": np.zeros((0, 4))}
         first, last = self.first[k], self.first[k + 1]
         start = contacts.start.numpy()[first : last + 1]
-        rows = start[0] + np.flatnonzero(contacts.pair_radius.numpy()[start[0] : start[-1]] > 0)
+        memory = contacts.pair.numpy()
+        rows = start[0] + np.flatnonzero(memory["radius"][start[0] : start[-1]] > 0)
         owner = np.searchsorted(start, rows, side="right") - 1
         pairs = self.order[k][np.stack([owner, contacts.partner.numpy()[rows] - first], axis=1)]
         turned = _orientation(pairs)
-        history, roll = np.zeros((len(rows), 4)), np.zeros((len(rows), 3))
-        history[:, 3] = contacts.pair_radius.numpy()[rows]
-        if "pair_stretch" in self.types.Contacts.vars:
-            history[:, :3] = turned * contacts.pair_stretch.numpy()[rows]
-        if "pair_roll" in self.types.Contacts.vars:
-            roll[:] = turned * contacts.pair_roll.numpy()[rows]
-        return {"pairs": np.sort(pairs, axis=1), "pair_history": history, "pair_roll": roll}
+        history, roll = _recalled(memory[rows])
+        history[:, :3] *= turned
+        return {"pairs": np.sort(pairs, axis=1), "pair_history": history, "pair_roll": turned * roll}
+
+
+def _remember(memory: np.ndarray, history: np.ndarray, roll: np.ndarray) -> None:
+    """Fill the device's ``memory`` of contacts with a state's (..., 4) histories and (..., 3) rolls."""
+    columns = {"radius": history[..., 3], "stretch": history[..., :3], "roll": roll}
+    for name in memory.dtype.names:
+        memory[name] = columns[name]
+
+
+def _recalled(memory: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Histories and rolls of a state from the device's ``memory`` of contacts."""
+    history, roll = np.zeros((*memory.shape, 4)), np.zeros((*memory.shape, 3))
+    columns = {"radius": history[..., 3], "stretch": history[..., :3], "roll": roll}
+    for name in memory.dtype.names:
+        columns[name][...] = memory[name]
+    return history, roll
 
 
 def _numbered(state: State, order: np.ndarray):
