@@ -23,7 +23,7 @@ PRESETS = {"fast": 0.05, "balanced": 0.03, "reference": 0.02}
 
 STEP_ERROR = 0.005
 """Relative error of the energy per cycle that a study reckons with at 24 steps a contact; of second order.  Six points
-together show 0.14 %, single ones as much as chance allows to see (docs/accuracy.md)."""
+together show 0.05 %, single ones as much as chance allows to see (docs/accuracy.md)."""
 
 STEP_SHARE = 1 / 3
 """Largest part of the tolerance that is left to the step."""
@@ -33,8 +33,8 @@ SLACK = 0.5
 its bed's state."""
 
 RESIDUAL_FACTOR = 2.5
-"""What a case reckons its step error to be, over the ledger's residual.  Six points together show 0.7; upper bounds of
-single ones, in which chance is the most, reach 5.9 (docs/accuracy.md)."""
+"""What a case reckons its step error to be, over the ledger's residual.  Six points together show 0.3; upper bounds of
+single ones, in which chance is the most, reach 4.6 (docs/accuracy.md)."""
 
 LOOSE_MEMORY, TIGHT_MEMORY = 0.035, 0.08
 """Relative standard error of what one bed says, however well its cycles are averaged: a bed stays in one of many states
