@@ -17,6 +17,8 @@ from .scene import State
 FEWEST_ORDERED = 1000
 """Smaller beds lie in the processor's cache however they are numbered, and keep their own order."""
 
+_AS_THEY_ARE = slice(None)
+
 
 def numbering(position: np.ndarray) -> np.ndarray:
     """Order in which the device numbers particles: by layers, rows and places along a row, (n,) indices.
@@ -95,7 +97,7 @@ class Transfer:
             c.wall = wp.zeros(3 * len(self), dtype=self.types.History, device=DEVICE)
             walls = c.wall.numpy().reshape(len(self), 3)
             for first, own, order in zip(self.first, self.states, self.order, strict=False):
-                _remember(walls[first : first + len(order)], own.wall_history[order], own.wall_roll[order])
+                _remember(walls[first : first + len(order)], own.wall_history, own.wall_roll, order)
         return c
 
     def listed(self, k: int, contacts, part: int = 10_000) -> Iterator[np.ndarray]:
@@ -120,7 +122,7 @@ class Transfer:
         wall_history, wall_roll = np.zeros((n, 3, 4)), np.zeros((n, 3, 3))
         if "wall" in self.types.Contacts.vars:
             walls = contacts.wall.numpy()[3 * first : 3 * last].reshape(n, 3)
-            wall_history, wall_roll = _recalled(walls[back])
+            wall_history, wall_roll = _recalled(walls, back)
         return State(
             position=of_particles("position", before.position),
             velocity=of_particles("half_velocity", before.velocity),
@@ -143,24 +145,25 @@ class Transfer:
         owner = np.searchsorted(start, rows, side="right") - 1
         pairs = self.order[k][np.stack([owner, contacts.partner.numpy()[rows] - first], axis=1)]
         turned = _orientation(pairs)
-        history, roll = _recalled(memory[rows])
+        history, roll = _recalled(memory, rows)
         history[:, :3] *= turned
         return {"pairs": np.sort(pairs, axis=1), "pair_history": history, "pair_roll": turned * roll}
 
 
-def _remember(memory: np.ndarray, history: np.ndarray, roll: np.ndarray) -> None:
-    """Fill the device's ``memory`` of contacts with a state's (..., 4) histories and (..., 3) rolls."""
+def _remember(memory: np.ndarray, history: np.ndarray, roll: np.ndarray, order=_AS_THEY_ARE) -> None:
+    """Fill the device's ``memory`` of contacts with a state's (..., 4) histories and (..., 3) rolls in an order."""
     columns = {"radius": history[..., 3], "stretch": history[..., :3], "roll": roll}
-    for name in memory.dtype.names:
-        memory[name] = columns[name]
+    for name in memory.dtype.names:  # one after the other: large beds are not copied whole
+        memory[name] = columns[name][order]
 
 
-def _recalled(memory: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Histories and rolls of a state from the device's ``memory`` of contacts."""
-    history, roll = np.zeros((*memory.shape, 4)), np.zeros((*memory.shape, 3))
+def _recalled(memory: np.ndarray, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Histories and rolls of a state from the device's ``memory`` of contacts, in an order."""
+    shape = (len(order), *memory.shape[1:])
+    history, roll = np.zeros((*shape, 4)), np.zeros((*shape, 3))
     columns = {"radius": history[..., 3], "stretch": history[..., :3], "roll": roll}
     for name in memory.dtype.names:
-        columns[name][...] = memory[name]
+        columns[name][...] = memory[name][order]
     return history, roll
 
 
