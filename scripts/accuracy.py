@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 import sys
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -62,11 +63,10 @@ def simulate() -> None:
     write(runs, DOCS / "accuracy.nc")
 
 
-def dilute(seed: int) -> np.ndarray:
-    """Energies per cycle [J] of a bed that remembers nothing: few spheres, thrown about."""
-    paper = next(iter(Cases(load(ROOT / "configs" / "beam.yaml")).specs())).scene
-    scene = paper.driven(Drive(46.0, 6 * STANDARD_GRAVITY))
-    request = Request(scene, Grains.alike(3.73e-3, DILUTE), seed, "loose")
+def dilute(paper: Request, seed: int) -> np.ndarray:
+    """Energies per cycle [J] of a bed that remembers nothing: few of the paper's spheres, thrown about."""
+    scene = paper.scene.driven(Drive(46.0, 6 * STANDARD_GRAVITY))
+    request = Request(scene, Grains.alike(paper.grains.radius[0], DILUTE), seed, "loose")
     steps = steps_per_cycle(scene, request.grains, steps_per_contact=24)
     case = Case(scene, prepare(request).state, 1 / (scene.drive.frequency * steps))
     batch = Batch([case], max_rows=sum(DILUTE_CYCLES) + 1)
@@ -76,8 +76,9 @@ def dilute(seed: int) -> np.ndarray:
 
 def simulate_stationary() -> None:
     """Run the dilute bed and keep its series."""
+    paper = next(iter(Cases(load(ROOT / "configs" / "beam.yaml")).specs())).bed
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as executor:
-        series = np.array(list(executor.map(dilute, range(1, 9))))
+        series = np.array(list(executor.map(partial(dilute, paper), range(1, 9))))
     title = f"Energies of cycles of {DILUTE} spheres in the paper's cavity at 46 Hz and Gamma 6"
     write(xr.Dataset({"energy": (("seed", "cycle"), series, {"units": "J"})}, attrs={"title": title}), STATIONARY)
 
@@ -91,7 +92,7 @@ def stationary_section() -> list[str]:
     rows = []
     for n, observed in found:
         claims = [standard_error(part) for row in series for part in np.split(row, range(int(n), len(row), int(n)))]
-        claimed = float(np.sqrt(np.mean(np.square(claims)))) / series.mean()
+        claimed = rms(np.array(claims)) / series.mean()
         rows.append([f"{n:g}", f"{100 * observed:.1f} %", f"{100 * claimed:.1f} %"])
     packing = chance(series).packing
     return [
@@ -105,6 +106,11 @@ def stationary_section() -> list[str]:
         *table(["n", "observed", "claimed"], rows),
         "",
     ]
+
+
+def rms(values) -> float:
+    """Root mean square."""
+    return float(np.sqrt((values**2).mean()))
 
 
 def table(heading: list[str], rows: list[list[str]]) -> list[str]:
@@ -295,7 +301,7 @@ def coverage_section() -> list[str]:
         rows.append(
             [label, str(int(of.sum())), str(int(ok.sum())), f"{100 * inside[ok].mean():.0f} %"]
             + [f"{100 * averaged[ok].mean():.0f} %", f"{100 * error:.1f} %", f"{100 * own:.1f} %"]
-            + [f"{100 * np.sqrt(np.mean(off**2)):.1f} %", f"{100 * abs(off).max():.0f} %"]
+            + [f"{100 * rms(off):.1f} %", f"{100 * abs(off).max():.0f} %"]
         )
     return [
         "## Do the intervals hold?",
@@ -338,7 +344,7 @@ def price_section() -> list[str]:
     with xr.open_dataset(DOCS / "price.nc") as price:
         price = price.load()
     off = (price["claimed"] / price["fixed"]).values - 1
-    claimed = float(np.sqrt(((price["claimed_error"] / price["claimed"]) ** 2).mean()))
+    claimed = rms(price["claimed_error"] / price["claimed"])
     bought, paid = float(price["tolerance_cpu_time"]), float(price["fixed_cpu_time"])
     return [
         "## What a tolerance saves",
@@ -350,7 +356,7 @@ def price_section() -> list[str]:
         f"{int(price['fixed_cases'])}.  Cycles a case took: median {float(price['cycles'].median()):.0f}, largest "
         f"{float(price['cycles'].max()):.0f}.  Points within the tolerance: {int(price['within_tolerance'].sum())} of "
         f"{price.sizes['point']}; the others say that they are not.  Against the fixed runs, which use three of the "
-        f"same packings, energies are off by {100 * np.sqrt(np.mean(off**2)):.1f} % (root mean square; at most "
+        f"same packings, energies are off by {100 * rms(off):.1f} % (root mean square; at most "
         f"{100 * abs(off).max():.0f} %), and the standard error claimed is {100 * claimed:.1f} % (root mean square).",
         "",
     ]
@@ -388,11 +394,6 @@ def presets_section() -> list[str]:
         *table([*heading.split(", "), "core-seconds"], rows),
         "",
     ]
-
-
-def rms(values) -> float:
-    """Root mean square."""
-    return float(np.sqrt((values**2).mean()))
 
 
 def document() -> None:

@@ -61,7 +61,7 @@ def test_a_loose_bed_rests_holds_together_and_repeats(damper):
 
 
 def test_a_jam_that_gains_energy_is_settled_at_a_finer_step(damper, caplog, monkeypatch):
-    """Of 52 beds of the paper one met this on its way: spheres 30 and 89, each in many deep contacts."""
+    """Of 64 beds of the paper one met this on its way: spheres 30 and 89, each in many deep contacts."""
     with np.load(DATA / "jam.npz") as file:
         jam = State(**file)
     scene, coarse = damper(), Numerics(steps_per_contact=12.0)

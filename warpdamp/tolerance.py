@@ -131,7 +131,7 @@ def packings_called_for(energies, errors, degrees, memories, steps, largest, tol
         limit = allowed(tolerance, answer.mean, largest[0])
         if answer.total_error <= limit or answer.step_error >= limit:  # more packings do not mend a step
             break
-        own = np.mean(np.hypot(errors[:n], memories[:n]) ** 2) / (limit**2 - answer.step_error**2)
+        own = np.mean(errors[:n] ** 2 + memories[:n] ** 2) / (limit**2 - answer.step_error**2)
         n = min(max(n + 1, math.ceil(own)), len(energies))
     return n
 

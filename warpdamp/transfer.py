@@ -17,8 +17,6 @@ from .scene import State
 FEWEST_ORDERED = 1000
 """Smaller beds lie in the processor's cache however they are numbered, and keep their own order."""
 
-_AS_THEY_ARE = slice(None)
-
 
 def numbering(position: np.ndarray) -> np.ndarray:
     """Order in which the device numbers particles: by layers, rows and places along a row, (n,) indices.
@@ -92,12 +90,13 @@ class Transfer:
             setattr(c, name, wp.array(laws[name], dtype=self.types.Law, device=DEVICE))
         if "pair" in known:
             c.pair = wp.zeros(len(pairs), dtype=self.types.History, device=DEVICE)
-            history, roll = (np.concatenate([own[k] for own in numbered]) for k in (1, 2))
-            _remember(c.pair.numpy(), history, roll)
             c.wall = wp.zeros(3 * len(self), dtype=self.types.History, device=DEVICE)
-            walls = c.wall.numpy().reshape(len(self), 3)
-            for first, own, order in zip(self.first, self.states, self.order, strict=False):
-                _remember(walls[first : first + len(order)], own.wall_history, own.wall_roll, order)
+            pair, wall = c.pair.numpy(), c.wall.numpy().reshape(len(self), 3)
+            of_pairs = _columns(*(np.concatenate([own[k] for own in numbered]) for k in (1, 2)))
+            of_walls = [_columns(s.wall_history, s.wall_roll) for s in self.states]
+            for name in pair.dtype.names:
+                pair[name] = of_pairs[name]
+                self._set(wall[name], [own[name] for own in of_walls])
         return c
 
     def listed(self, k: int, contacts, part: int = 10_000) -> Iterator[np.ndarray]:
@@ -150,19 +149,17 @@ class Transfer:
         return {"pairs": np.sort(pairs, axis=1), "pair_history": history, "pair_roll": turned * roll}
 
 
-def _remember(memory: np.ndarray, history: np.ndarray, roll: np.ndarray, order=_AS_THEY_ARE) -> None:
-    """Fill the device's ``memory`` of contacts with a state's (..., 4) histories and (..., 3) rolls in an order."""
-    columns = {"radius": history[..., 3], "stretch": history[..., :3], "roll": roll}
-    for name in memory.dtype.names:  # one after the other: large beds are not copied whole
-        memory[name] = columns[name][order]
+def _columns(history: np.ndarray, roll: np.ndarray) -> dict[str, np.ndarray]:
+    """Views of a state's (..., 4) histories and (..., 3) rolls, by their names on the device."""
+    return {"radius": history[..., 3], "stretch": history[..., :3], "roll": roll}
 
 
 def _recalled(memory: np.ndarray, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Histories and rolls of a state from the device's ``memory`` of contacts, in an order."""
     shape = (len(order), *memory.shape[1:])
     history, roll = np.zeros((*shape, 4)), np.zeros((*shape, 3))
-    columns = {"radius": history[..., 3], "stretch": history[..., :3], "roll": roll}
-    for name in memory.dtype.names:
+    columns = _columns(history, roll)
+    for name in memory.dtype.names:  # one after the other: large beds are not copied whole
         columns[name][...] = memory[name][order]
     return history, roll
 
