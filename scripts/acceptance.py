@@ -20,13 +20,14 @@ import xarray as xr
 from scipy.optimize import brentq
 
 from warpdamp import Batch, Case, Cylinder, Drive, Material, Scene, State, Surface, load, run
+from warpdamp.config.build import grains
+from warpdamp.damper.case import Request
+from warpdamp.damper.preparation import prepare, settle
+from warpdamp.engine.ledger import harmonic_work, maximum_energy
 from warpdamp.files import whole_file
-from warpdamp.ledger import harmonic_work, maximum_energy
 from warpdamp.modal.beam import beam_modes
-from warpdamp.packing import Request, prepare, settle
-from warpdamp.sources import beam
-from warpdamp.sweep import grains
-from warpdamp.timestep import steps_per_cycle
+from warpdamp.modal.from_config import beam
+from warpdamp.numerics.timestep import steps_per_cycle
 
 ROOT = Path(__file__).parents[1]
 RADIUS = 3.73e-3

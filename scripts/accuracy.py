@@ -20,17 +20,15 @@ import numpy as np
 import xarray as xr
 
 from warpdamp import Batch, Case, Drive, Grains, load
-from warpdamp.accuracy import averaged, chance, cheapest, points_of, step_errors, study, systematic, transient
-from warpdamp.cases import Cases
-from warpdamp.packing import Request, prepare
-from warpdamp.plot_accuracy import PARTS, budget, budget_table, work_precision
-from warpdamp.results import write
-from warpdamp.scene import STANDARD_GRAVITY
-from warpdamp.steady import standard_error
-from warpdamp.timestep import steps_per_cycle
-from warpdamp.tolerance import (
+from warpdamp.analysis.accuracy import averaged, chance, cheapest, step_errors, systematic, transient
+from warpdamp.analysis.results import write
+from warpdamp.config.study import PRESETS
+from warpdamp.damper.case import Request
+from warpdamp.damper.preparation import prepare
+from warpdamp.numerics.steady import standard_error
+from warpdamp.numerics.timestep import steps_per_cycle
+from warpdamp.numerics.tolerance import (
     LOOSE_MEMORY,
-    PRESETS,
     RESIDUAL_FACTOR,
     STEP_ERROR,
     TIGHT_FILL,
@@ -39,6 +37,10 @@ from warpdamp.tolerance import (
     step_error,
     student,
 )
+from warpdamp.report.accuracy import PARTS, budget, budget_table, work_precision
+from warpdamp.scene.scene import STANDARD_GRAVITY
+from warpdamp.study.accuracy import points_of, study
+from warpdamp.sweep.cases import Cases
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
-from warpdamp.modal.two_mass import complex_mode, energy_damping, pole_damping, real_mode, rigid_damping
+from warpdamp.modal.appendix_a import complex_mode, energy_damping, pole_damping, real_mode, rigid_damping
 
 DOCS = Path(__file__).parents[1] / "docs"
 LARGEST = 0.32

@@ -18,10 +18,10 @@ import numpy as np
 import xarray as xr
 
 from warpdamp import Batch, Case, Grains, Request, prepare
-from warpdamp.ledger import maximum_energy
-from warpdamp.results import write
-from warpdamp.speed import COUNT, FREQUENCY, GAMMA, RADIUS, paper_scene
-from warpdamp.timestep import steps_per_cycle
+from warpdamp.analysis.results import write
+from warpdamp.engine.ledger import maximum_energy
+from warpdamp.numerics.timestep import steps_per_cycle
+from warpdamp.study.cost import COUNT, FREQUENCY, GAMMA, RADIUS, paper_scene
 
 DOCS = Path(__file__).parents[1] / "docs"
 SEEDS, PREPARATIONS, STEPS = (1, 2, 3), ("loose", "compacted"), (24, 48)

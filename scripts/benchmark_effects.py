@@ -24,8 +24,8 @@ import textwrap
 from dataclasses import asdict
 from pathlib import Path
 
-from warpdamp.effects import Effects
-from warpdamp.speed import SIMPLEST, TOGGLES, frozen, jammed_bed, moving, remember, within, without
+from warpdamp.scene.effects import Effects
+from warpdamp.study.cost import SIMPLEST, TOGGLES, frozen, jammed_bed, moving, remember, within, without
 
 ROOT = Path(__file__).parents[1]
 FULL = Effects()

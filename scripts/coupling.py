@@ -21,14 +21,14 @@ import numpy as np
 import xarray as xr
 
 from warpdamp import corrected, load
-from warpdamp.coupled_runs import Run, advance
-from warpdamp.coupling import from_decay, from_response, mount_of
-from warpdamp.packing import Request
-from warpdamp.results import write
-from warpdamp.scene import STANDARD_GRAVITY, Drive, Force
-from warpdamp.sources import modes
-from warpdamp.sweep import grains, scene
-from warpdamp.timestep import steps_per_cycle
+from warpdamp.analysis.results import write
+from warpdamp.config.build import grains, scene
+from warpdamp.coupled.identify import from_decay, from_response, mount_of
+from warpdamp.coupled.run import Run, advance
+from warpdamp.damper.case import Request
+from warpdamp.modal.from_config import modes
+from warpdamp.numerics.timestep import steps_per_cycle
+from warpdamp.scene.scene import STANDARD_GRAVITY, Drive, Force
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

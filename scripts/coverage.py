@@ -18,13 +18,14 @@ import numpy as np
 import xarray as xr
 
 from warpdamp import Batch, Case, Cylinder, Drive, Grains, Material, Scene, Surface
-from warpdamp.ledger import maximum_energy
-from warpdamp.packing import Request, prepare
-from warpdamp.results import write
-from warpdamp.shaking import Criteria, Spec, shake
-from warpdamp.steady import standard_error
-from warpdamp.timestep import steps_per_cycle
-from warpdamp.tolerance import plan, student
+from warpdamp.analysis.results import write
+from warpdamp.damper.case import Criteria, Request, Spec
+from warpdamp.damper.preparation import prepare
+from warpdamp.damper.shake import shake
+from warpdamp.engine.ledger import maximum_energy
+from warpdamp.numerics.steady import standard_error
+from warpdamp.numerics.timestep import steps_per_cycle
+from warpdamp.numerics.tolerance import plan, student
 
 ROOT = Path(__file__).parents[1]
 RADIUS, TOLERANCE = 3.73e-3, 0.05

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 import warpdamp
-from warpdamp.fits import straight_line
-from warpdamp.plot import draw, save
-from warpdamp.results import write
-from warpdamp.scene import STANDARD_GRAVITY
+from warpdamp.analysis.results import write
+from warpdamp.numerics.regression import straight_line
+from warpdamp.report.curves import draw
+from warpdamp.report.figures import save
+from warpdamp.scene.scene import STANDARD_GRAVITY
 
 PAPER_SLOPE, PAPER_LINE = 0.0028, "3 - 0.0037 f"
 KEPT = (

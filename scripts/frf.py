@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from warpdamp.modal.apparent import ComplexMass, complex_mass, corrected, particle_mass, per_mode
+from warpdamp.modal.apparent_mass import ComplexMass, complex_mass, corrected, particle_mass, per_mode
 from warpdamp.modal.frf import Structure, accelerance, constant_force
-from warpdamp.modal.measured import fits
-from warpdamp.plot_frf import against_gamma, families, force_curves
+from warpdamp.modal.identify import fits
+from warpdamp.report.frf import against_gamma, families, force_curves
 
 DOCS = Path(__file__).parents[1] / "docs"
 G = 9.81

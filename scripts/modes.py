@@ -20,11 +20,12 @@ from plate_theory import LEISSA, SIDE, STEEL, THICKNESS, UNIT, loaded_pinned_pla
 
 from warpdamp import Material, load  # noqa: E402
 from warpdamp.modal.beam import Beam, PointMass, beam_modes  # noqa: E402
-from warpdamp.modal.export import export  # noqa: E402
+from warpdamp.modal.from_config import beam, modes  # noqa: E402
+from warpdamp.modal.mode_csv import write_csv  # noqa: E402
 from warpdamp.modal.section import Circle, Rectangle, Tube  # noqa: E402
 from warpdamp.modal.solid import Plate, StandingMass, plate_modes  # noqa: E402
-from warpdamp.modal.table import write_csv  # noqa: E402
-from warpdamp.sources import beam, modes  # noqa: E402
+from warpdamp.report.figures import save  # noqa: E402
+from warpdamp.report.mode_shapes import shapes  # noqa: E402
 
 LENGTH, MODES = 0.58, 4
 LOADS = {"none": (), "0.2 kg in the middle": ((0.2, 0.29, 0.0),), "two": ((0.2, 0.21, 2e-5), (0.1, 0.41, 0.0))}
@@ -151,7 +152,7 @@ def main():
     bracket(ROOT / "configs" / "bracket.msh")
     cantilever = load(ROOT / "configs" / "cantilever.yaml")
     tube_beam, tube_damper = beam(cantilever)
-    export(beam_modes(tube_beam, tube_damper, highest=3), ROOT / "docs" / "modes.png", title=cantilever.title)
+    save(shapes(beam_modes(tube_beam, tube_damper, highest=3), cantilever.title), ROOT / "docs" / "modes.png")
 
     sections = {"Beams": beam_section(), "Plates": plate_section(), "Known modes": known_section(empty)}
     text = "# Modes against closed forms\n\nWritten by `scripts/modes.py`.\n"

@@ -15,9 +15,9 @@ import xarray as xr
 from price import job
 
 from warpdamp import run
-from warpdamp.config import Config
-from warpdamp.results import NOT_RUN, write
-from warpdamp.tolerance import PRESETS
+from warpdamp.analysis.results import write
+from warpdamp.config.study import PRESETS, Config
+from warpdamp.variables import NOT_RUN
 
 ROOT = Path(__file__).parents[1]
 OTHERS, CYCLES = range(101, 133), 200

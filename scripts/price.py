@@ -18,10 +18,12 @@ import numpy as np
 import xarray as xr
 
 from warpdamp import load, run
-from warpdamp.cases import Cases
-from warpdamp.config import Config
-from warpdamp.results import NOT_RUN, write
-from warpdamp.shaking import Criteria, shake
+from warpdamp.analysis.results import write
+from warpdamp.config.study import Config
+from warpdamp.damper.case import Criteria
+from warpdamp.damper.shake import shake
+from warpdamp.sweep.cases import Cases
+from warpdamp.variables import NOT_RUN
 
 ROOT = Path(__file__).parents[1]
 TOLERANCE, PAPER_STEP = 0.05, 2e-6

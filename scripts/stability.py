@@ -17,8 +17,8 @@ import os  # noqa: E402
 from stability.cases import CASES, bed, shaken  # noqa: E402
 
 from warpdamp import Batch, Case, Effects  # noqa: E402
-from warpdamp.guards import check_overlaps, check_run, check_values  # noqa: E402
-from warpdamp.timestep import steps_per_cycle  # noqa: E402
+from warpdamp.engine.checks import check_overlaps, check_run, check_values  # noqa: E402
+from warpdamp.numerics.timestep import steps_per_cycle  # noqa: E402
 
 HEAD = """# Hard cases
 

@@ -25,7 +25,7 @@ import numpy as np
 import xarray as xr
 
 import warpdamp
-from warpdamp.results import write
+from warpdamp.analysis.results import write
 
 STUDY = """
 title: many small cases
@@ -40,8 +40,8 @@ preparation: loose
 steady_state: {{fewest_cycles: {cycles}, most_cycles: {cycles}, standard_error: 10 %}}
 seeds: [1]
 """
-RUN = "from warpdamp.cli import app; app(prog_name='warpdamp')"
-SMALL_BATCHES = f"import warpdamp.batches; warpdamp.batches.BATCH_COST = 2e6; {RUN}"
+RUN = "from warpdamp.cli.app import app; app(prog_name='warpdamp')"
+SMALL_BATCHES = f"import warpdamp.execution.batching; warpdamp.execution.batching.BATCH_COST = 2e6; {RUN}"
 
 
 def memory(process: int) -> float:
@@ -124,8 +124,8 @@ def _cpu() -> float:
 
 def planning(folder: Path, amplitudes: int = 2000) -> float:
     """Seconds that one case takes to be planned: its scene, step, identity."""
-    from warpdamp.cases import Cases
-    from warpdamp.plan import plan
+    from warpdamp.sweep.cases import Cases
+    from warpdamp.sweep.plan import plan
 
     config = folder / "planned.yaml"
     config.write_text(STUDY.format(amplitudes=amplitudes, cycles=20))

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import warpdamp
-from warpdamp.results import write
+from warpdamp.analysis.results import write
 
 if __name__ == "__main__":
     config = Path(sys.argv[1] if len(sys.argv) > 1 else "configs/friction.yaml")

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from warpdamp import ConfigError, load
-from warpdamp.batches import batches
-from warpdamp.cases import Cases
-from warpdamp.plan import EXCLUDED, REFUSED, plan
-from warpdamp.sweep_reader import read_axes, settled
+from warpdamp.execution.batching import batches
+from warpdamp.sweep.cases import Cases
+from warpdamp.sweep.plan import EXCLUDED, REFUSED, plan
+from warpdamp.sweep.reader import read_axes
+from warpdamp.sweep.resolve import settled
 
 BASE = """
 damper:
@@ -193,7 +194,8 @@ def test_a_case_is_known_by_what_it_depends_on(study):
 
 def test_a_kept_plan_is_the_plan(study, tmp_path, monkeypatch):
     """Read back by the folder's own study without making it again; made again when it is damaged."""
-    from warpdamp import plan as planning
+    from warpdamp.sweep import load as loading
+    from warpdamp.sweep import plan as planning
 
     text = BASE.replace("preparation: loose", "preparation: carried").replace(
         "[40 Hz, 80 Hz]", "{log: [40 Hz, 81 Hz], n: 3}"
@@ -203,7 +205,7 @@ def test_a_kept_plan_is_the_plan(study, tmp_path, monkeypatch):
     planning.keep_plan(made, tmp_path)
     with monkeypatch.context() as patch:
         patch.setattr(planning, "plan", None)
-        kept = planning.kept_plan(tmp_path)
+        kept = loading.kept_plan(tmp_path)
     for again in (kept, planning.ready_plan(made.cases, tmp_path)):
         for name in planning._ARRAYS:
             np.testing.assert_array_equal(getattr(again, name), getattr(made, name))
@@ -216,15 +218,15 @@ def test_a_kept_plan_is_the_plan(study, tmp_path, monkeypatch):
     content = bytearray((tmp_path / "plan.npz").read_bytes())
     content[len(content) // 2] ^= 255
     (tmp_path / "plan.npz").write_bytes(content)
-    assert (planning.kept_plan(tmp_path).keys == made.keys).all()
+    assert (loading.kept_plan(tmp_path).keys == made.keys).all()
 
 
 def test_the_physics_is_part_of_the_key(study, monkeypatch):
-    from warpdamp import packing
-    from warpdamp import plan as planning
+    from warpdamp.damper import case
+    from warpdamp.sweep import plan as planning
 
     before = plan(Cases(load(study("")))).keys
-    for module in (packing, planning):
+    for module in (case, planning):
         monkeypatch.setattr(module, "PHYSICS_VERSION", 999)
     assert not set(before) & set(plan(Cases(load(study("")))).keys)
 

@@ -6,10 +6,10 @@ import re
 import pytest
 
 from warpdamp import ConfigError, load
-from warpdamp.cases import Cases
-from warpdamp.config import Config
-from warpdamp.sweep_reader import read_axes
-from warpdamp.units import to_si
+from warpdamp.config.quantities import to_si
+from warpdamp.config.study import Config
+from warpdamp.sweep.cases import Cases
+from warpdamp.sweep.reader import read_axes
 
 
 def refused(tmp_path, config_path, old, new):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from warpdamp import Simulation, State
-from warpdamp.law import contact_constants
-from warpdamp.timestep import contact_time
+from warpdamp.numerics.timestep import contact_time
+from warpdamp.scene.contact import contact_constants
 
 RADIUS = 3.73e-3
 

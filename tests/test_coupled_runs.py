@@ -9,11 +9,13 @@ import pytest
 import xarray as xr
 from scipy.signal import lsim
 
-from warpdamp import ConfigError, fits, forces, load
-from warpdamp.config_coupled import RandomConfig, SweptConfig
-from warpdamp.coupled_runs import _runs, accelerance, simulate
-from warpdamp.executors import InProcess
-from warpdamp.modal import ModalError
+from warpdamp import ConfigError, load
+from warpdamp.config.coupled import RandomConfig, SweptConfig
+from warpdamp.coupled import forces
+from warpdamp.coupled.run import _runs, accelerance, simulate
+from warpdamp.errors import ModalError
+from warpdamp.execution.executors import InProcess
+from warpdamp.numerics import regression as fits
 
 HEAVY = """
 structure:

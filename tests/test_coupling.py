@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from warpdamp import Batch, Case, Cylinder, State
-from warpdamp.coupling import from_decay, from_response
-from warpdamp.scene import Force, Mount
+from warpdamp.coupled.identify import from_decay, from_response
+from warpdamp.scene.scene import Force, Mount
 
 RADIUS = 3.73e-3
 MODE = {"frequency": (40.0,), "damping": (0.01,), "amplitude": (1.7,)}
@@ -107,7 +107,7 @@ def test_two_modes_superpose(empty):
 
 def test_particles_that_move_along_weigh_on_the_mode(make_scene, loose_positions):
     """A bed at rest under gravity, shaken well below Gamma 1: w_n = w0 / sqrt(1 + phi^2 m)."""
-    from warpdamp.packing import settle
+    from warpdamp.damper.preparation import settle
 
     scene = make_scene(enclosure=Cylinder(0.04, 0.04), gravity=(0, 0, -9.81))
     bed = settle(scene, State.at_rest(loose_positions(1), RADIUS))

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import brentq
 
 from warpdamp import Batch, Case, Cylinder, Drive, State
-from warpdamp.ledger import apparent_mass, harmonic_work, maximum_energy
-from warpdamp.packing import settle
-from warpdamp.timestep import steps_per_cycle
+from warpdamp.damper.preparation import settle
+from warpdamp.engine.ledger import apparent_mass, harmonic_work, maximum_energy
+from warpdamp.numerics.timestep import steps_per_cycle
 
 RADIUS = 3.73e-3
 

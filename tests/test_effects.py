@@ -13,10 +13,10 @@ import pytest
 from scipy.optimize import brentq
 
 from warpdamp import Batch, Case, Cylinder, Drive, Effects, Material, Scene, Simulation, State, Surface
-from warpdamp.effects import called_for, covering
-from warpdamp.law import contact_constants
-from warpdamp.ledger import maximum_energy
-from warpdamp.timestep import steps_per_cycle
+from warpdamp.engine.ledger import maximum_energy
+from warpdamp.numerics.timestep import steps_per_cycle
+from warpdamp.scene.contact import contact_constants
+from warpdamp.scene.effects import called_for, covering
 
 RADIUS = 3.73e-3
 G = 9.81
@@ -309,7 +309,7 @@ def test_states_of_mixtures_and_of_rolling_go_on_from_where_they_were_read(make_
     surfaces = tuple(tuple(Surface(0.5, 0.5, 0.1) for _ in range(2)) for _ in range(2))
     scene = Scene((PMMA, STEEL), PMMA, surfaces, (Surface(0.5, 0.5, 0.1),) * 2, Cylinder(0.03, 0.03))
     rng = np.random.default_rng(2)
-    from warpdamp.packing import separate
+    from warpdamp.damper.placement import separate
 
     radius = rng.uniform(2e-3, 3e-3, 40)
     state = State.at_rest(separate(radius, scene.enclosure, 1), radius, rng.integers(0, 2, 40))
@@ -327,8 +327,8 @@ def test_states_of_mixtures_and_of_rolling_go_on_from_where_they_were_read(make_
 
 
 def test_a_large_bed_is_numbered_by_rows_and_reads_back_in_its_own_numbers(make_scene, monkeypatch):
-    from warpdamp import transfer
-    from warpdamp.packing import separate
+    from warpdamp.damper.placement import separate
+    from warpdamp.engine import arrays as transfer
 
     cavity = Cylinder(0.034, 0.034)
     scene = make_scene(enclosure=cavity, gravity=(0, 0, -G))

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from warpdamp import Batch, Case, Cylinder, Effects, Material, Simulation, SimulationError, State, engine
+from warpdamp import Batch, Case, Cylinder, Effects, Material, Simulation, SimulationError, State
+from warpdamp.damper.placement import separate
+from warpdamp.engine import batch as engine
 from warpdamp.kernels import data
-from warpdamp.packing import separate
-from warpdamp.timestep import steps_per_cycle
+from warpdamp.numerics.timestep import steps_per_cycle
 
 RADIUS = 3.73e-3
 

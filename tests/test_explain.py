@@ -7,9 +7,9 @@ import pytest
 
 import warpdamp
 from warpdamp import ConfigError, load
-from warpdamp.cases import Cases
-from warpdamp.explain import effects_of, explain
-from warpdamp.sweep import grains, scene
+from warpdamp.config.build import grains, scene
+from warpdamp.study.explain import effects_of, explain
+from warpdamp.sweep.cases import Cases
 
 MIXED = """
 damper:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from warpdamp.modal import ModalError
+from warpdamp.errors import ModalError
 from warpdamp.modal.fit import circle_fit, dobson, half_power_band, least_squares, line_fit
-from warpdamp.modal.measured import fits, read_frf
+from warpdamp.modal.identify import fits, read_frf
 
 OWN = np.array([39.5, 280.0, 731.0])  # the paper's beam: f [Hz], zeta, modal constants phi^2
 ZETA = np.array([0.03, 0.008, 0.004])

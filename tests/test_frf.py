@@ -8,13 +8,14 @@ import pytest
 import xarray as xr
 from conftest import ROOT
 
-from warpdamp.modal import ModalError, two_mass
-from warpdamp.modal.apparent import ComplexMass, complex_mass, corrected, loaded_modes, particle_mass
+from warpdamp.errors import ModalError
+from warpdamp.modal import appendix_a as two_mass
+from warpdamp.modal.apparent_mass import ComplexMass, complex_mass, corrected, loaded_modes, particle_mass
 from warpdamp.modal.beam import Beam, PointMass, beam_modes
 from warpdamp.modal.frf import Structure, accelerance, chosen, complex_accelerance, constant_force
 from warpdamp.modal.section import Rectangle
-from warpdamp.results import VARIABLES
-from warpdamp.scene import Material
+from warpdamp.scene.scene import Material
+from warpdamp.variables import VARIABLES
 
 G = 9.81
 PARTICLES = 0.0239985

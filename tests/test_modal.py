@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from warpdamp import Drive
-from warpdamp.ledger import maximum_energy
+from warpdamp.engine.ledger import maximum_energy
 from warpdamp.modal.damping import damping_ratio, normalised_damping, several_dampers
 from warpdamp.modal.modes import Modes
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from warpdamp.modal.mode_csv import read_csv, write_csv
+from warpdamp.modal.mode_uff import read_uff, write_uff
 from warpdamp.modal.modes import Modes
-from warpdamp.modal.table import read_csv, write_csv
-from warpdamp.modal.uff import read_uff, write_uff
 
 pyuff = pytest.importorskip("pyuff")
 SIX_DIGITS = 1e-5  # of the format's E13.5 fields

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from warpdamp.accessor import open_results
-from warpdamp.fits import maxima, straight_line
-from warpdamp.optimum import BLOCK_FLUIDISATION, collision_optimum, optimum
-from warpdamp.plot import draw
-from warpdamp.regimes import Regime, regime
-from warpdamp.results import describe
+from warpdamp.analysis.optimum import BLOCK_FLUIDISATION, collision_optimum, optimum
+from warpdamp.analysis.regimes import Regime, regime
+from warpdamp.analysis.results import open_results
+from warpdamp.numerics.regression import maxima, straight_line
+from warpdamp.report.curves import draw
+from warpdamp.variables import describe
 
 GAMMA = np.linspace(0.5, 12, 24)
 CLEARANCE = 1.5e-3

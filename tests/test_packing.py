@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
 
-from warpdamp import Cylinder, Grains, PackingError, Request, State, packing, prepare
-from warpdamp.packing import cache_folder, fill, separate, settle
-from warpdamp.timestep import Numerics
+from warpdamp import Cylinder, Grains, PackingError, Request, State, prepare
+from warpdamp.damper import preparation as packing
+from warpdamp.damper.placement import fill, separate
+from warpdamp.damper.preparation import cache_folder, settle
+from warpdamp.numerics.timestep import Numerics
 
 RADIUS = 3.73e-3
 PAPER = Grains.alike(RADIUS, 120)
@@ -65,7 +67,7 @@ def test_a_jam_that_gains_energy_is_settled_at_a_finer_step(damper, caplog, monk
     with np.load(DATA / "jam.npz") as file:
         jam = State(**file)
     scene, coarse = damper(), Numerics(steps_per_contact=12.0)
-    with caplog.at_level(logging.INFO, "warpdamp.packing"):
+    with caplog.at_level(logging.INFO, "warpdamp.damper.preparation"):
         rested = settle(scene, jam, coarse)
     assert "again with 24 steps a contact" in caplog.text
     assert np.abs(rested.velocity).max() < 0.02

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from warpdamp.modal.response import branches, is_stable
+from warpdamp.modal.harmonic_balance import branches, is_stable
 
 DAMPING, CUBIC = 0.02, 0.05  # of x'' + DAMPING x' + x + CUBIC x^3 = F cos(w t)
 FREQUENCY = np.linspace(0.5, 2.0, 200) / (2 * np.pi)

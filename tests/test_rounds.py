@@ -6,8 +6,8 @@ import xarray as xr
 
 import warpdamp
 from warpdamp import ConfigError, carry_out, collect, load
-from warpdamp.results import NOT_RUN
-from warpdamp.tolerance import packings_called_for
+from warpdamp.numerics.tolerance import packings_called_for
+from warpdamp.variables import NOT_RUN
 
 STUDY = """
 damper:
@@ -82,7 +82,7 @@ def test_points_get_what_they_need(undisturbed):
 
 
 def test_an_interrupted_study_ends_with_the_same_packings(study, undisturbed, tmp_path, monkeypatch, same):
-    monkeypatch.setattr(warpdamp.batches, "BATCH_COST", 1.0)
+    monkeypatch.setattr(warpdamp.execution.batching, "BATCH_COST", 1.0)
     warpdamp.run(study, store=tmp_path, executor="in-process")
     kept = sorted((tmp_path / "shards").glob("*.nc"))
     for shard in kept[::2]:

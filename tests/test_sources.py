@@ -9,8 +9,8 @@ from ruamel.yaml import YAML
 
 import warpdamp
 from warpdamp import ConfigError, load
-from warpdamp.modal.table import read_csv
-from warpdamp.sources import modes
+from warpdamp.modal.from_config import modes
+from warpdamp.modal.mode_csv import read_csv
 
 ROOT = Path(__file__).parents[1]
 PARTICLES = 0.0239985

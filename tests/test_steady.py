@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from warpdamp.steady import autocorrelation_time, standard_error, steady
+from warpdamp.numerics.steady import autocorrelation_time, standard_error, steady
 
 
 def autoregression(rng, n, phi, mean=100.0):

@@ -10,8 +10,9 @@ import xarray as xr
 
 import warpdamp
 from warpdamp import ConfigError, load, peaks
-from warpdamp.cases import Cases
-from warpdamp.results import VARIABLES, write
+from warpdamp.analysis.results import write
+from warpdamp.sweep.cases import Cases
+from warpdamp.variables import VARIABLES
 
 SMALL = """
 title: small
@@ -149,8 +150,8 @@ def test_a_mode_that_does_not_exist_is_refused(config_path, tmp_path):
 
 def test_failed_cases_are_values(small_config, monkeypatch):
     """A case that blows up is NaN with a status; the others are as they were."""
-    from warpdamp import shaking
-    from warpdamp.steady import Status
+    from warpdamp.damper import shake as shaking
+    from warpdamp.status import Status
 
     class Sabotaged(shaking.Batch):
         def __init__(self, *arguments, **options):
@@ -168,8 +169,9 @@ def test_failed_cases_are_values(small_config, monkeypatch):
 
 
 def test_a_study_of_which_nothing_is_left_is_an_error(small_config, monkeypatch):
-    from warpdamp import SimulationError, shaking
-    from warpdamp.steady import Status
+    from warpdamp import SimulationError
+    from warpdamp.damper import shake as shaking
+    from warpdamp.status import Status
 
     def escaped(chains, criteria):
         return [(spec.index, {"status": int(Status.ESCAPED)}) for chain in chains for spec in chain]

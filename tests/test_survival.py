@@ -16,12 +16,15 @@ import pytest
 import xarray as xr
 
 import warpdamp
-from warpdamp import StoreError, batches, carry_out, collect, executors, foreman
-from warpdamp.executors import Crew, crew
-from warpdamp.foreman import Batch, Lost, work
-from warpdamp.status import status
-from warpdamp.steady import Status
-from warpdamp.store import Store
+from warpdamp import StoreError, carry_out, collect
+from warpdamp.execution import batching as batches
+from warpdamp.execution import dispatch as foreman
+from warpdamp.execution import executors
+from warpdamp.execution.dispatch import Batch, Lost, work
+from warpdamp.execution.executors import Crew, crew
+from warpdamp.execution.progress import status
+from warpdamp.execution.store import Store
+from warpdamp.status import Status
 
 TINY = """
 damper:
@@ -55,8 +58,8 @@ def small_batches(monkeypatch):
 
 
 START = (
-    "import sys, warpdamp.batches; warpdamp.batches.BATCH_COST = 1.0\n"
-    "from warpdamp.cli import app; app(sys.argv[1:], prog_name='warpdamp')"
+    "import sys, warpdamp.execution.batching; warpdamp.execution.batching.BATCH_COST = 1.0\n"
+    "from warpdamp.cli.app import app; app(sys.argv[1:], prog_name='warpdamp')"
 )
 
 
@@ -224,7 +227,7 @@ def test_a_case_that_fails_is_a_value(tiny, tmp_path, same):
 
 
 def test_a_case_that_raises_does_not_take_others_along(tiny, undisturbed, monkeypatch):
-    from warpdamp import shaking
+    from warpdamp.damper import shake as shaking
 
     true = shaking.shake
 
@@ -324,7 +327,7 @@ def test_a_folder_that_holds_no_sweep(tmp_path):
 
 def test_processes_end_with_their_parent():
     code = (
-        "from warpdamp.executors import Processes; import os, time\n"
+        "from warpdamp.execution.executors import Processes; import os, time\n"
         "crew = Processes(1); print(crew.submit(os.getpid).result(), flush=True); crew.submit(time.sleep, 600); time.sleep(600)"
     )
     parent = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)

@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 
 import warpdamp
-from warpdamp.explain import explain
-from warpdamp.steady import Status
+from warpdamp.status import Status
+from warpdamp.study.explain import explain
 
 ROOT = Path(__file__).parents[1]
 MAP = (ROOT / "configs" / "frequency_map.yaml").read_text()

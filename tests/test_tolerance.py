@@ -8,9 +8,11 @@ from scipy.stats import t as student_t
 
 import warpdamp
 from warpdamp import ConfigError, load
-from warpdamp.results import NOT_RUN
-from warpdamp.steady import degrees_of_freedom, standard_error
-from warpdamp.tolerance import PRESETS, applied, combined, plan, single_interval, step_error, student
+from warpdamp.config.study import PRESETS
+from warpdamp.numerics.steady import degrees_of_freedom, standard_error
+from warpdamp.numerics.tolerance import combined, plan, single_interval, step_error, student
+from warpdamp.sweep.resolve import applied
+from warpdamp.variables import NOT_RUN
 
 SMALL = """
 damper:

@@ -11,80 +11,75 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
-
-PHYSICS_VERSION = 4
-"""Raised whenever a change alters results, so that cached beds and stored results of old physics are not mixed in."""
-
-RESULTS_VERSION = 2
-"""Raised whenever a finished case holds something new, so that stored results of before are run again, too."""
+from .version import PHYSICS_VERSION as PHYSICS_VERSION
+from .version import __version__ as __version__
 
 _HOMES = {
-    "run": "study",
-    "carry_out": "study",
-    "collect": "study",
-    "open_results": "accessor",
-    "StoreError": "files",
-    "load": "config",
-    "Config": "config",
-    "ConfigError": "config",
-    "PackingError": "guards",
-    "prepare": "packing",
-    "Request": "packing",
-    "Batch": "engine",
-    "Case": "engine",
-    "Simulation": "engine",
-    "SimulationError": "guards",
-    "Effects": "effects",
-    "Ledger": "ledger",
-    "Cylinder": "scene",
-    "Drive": "scene",
-    "Grains": "scene",
-    "Material": "scene",
-    "Scene": "scene",
-    "State": "scene",
-    "Surface": "scene",
-    "curves": "plot",
-    "draw": "plot",
-    "peaks": "optimum",
-    "corrected": "modal.apparent",
+    "run": "study.run",
+    "carry_out": "study.run",
+    "collect": "study.run",
+    "open_results": "analysis.results",
+    "ConfigError": "errors",
+    "PackingError": "errors",
+    "SimulationError": "errors",
+    "StoreError": "errors",
+    "load": "config.reading",
+    "Config": "config.study",
+    "prepare": "damper.preparation",
+    "Request": "damper.case",
+    "Batch": "engine.batch",
+    "Case": "engine.batch",
+    "Simulation": "engine.batch",
+    "Effects": "scene.effects",
+    "Ledger": "engine.ledger",
+    "Cylinder": "scene.scene",
+    "Drive": "scene.scene",
+    "Material": "scene.scene",
+    "Scene": "scene.scene",
+    "Surface": "scene.scene",
+    "Grains": "scene.particles",
+    "State": "scene.particles",
+    "curves": "report.curves",
+    "draw": "report.curves",
+    "peaks": "analysis.optimum",
+    "corrected": "modal.apparent_mass",
     "accelerance": "modal.frf",
     "constant_force": "modal.frf",
-    "fits": "modal.measured",
+    "fits": "modal.identify",
 }
 
 if TYPE_CHECKING:
-    from .accessor import open_results as open_results
-    from .config import Config as Config
-    from .config import ConfigError as ConfigError
-    from .config import load as load
-    from .effects import Effects as Effects
-    from .engine import Batch as Batch
-    from .engine import Case as Case
-    from .engine import Simulation as Simulation
-    from .files import StoreError as StoreError
-    from .guards import PackingError as PackingError
-    from .guards import SimulationError as SimulationError
-    from .ledger import Ledger as Ledger
-    from .modal.apparent import corrected as corrected
+    from .analysis.optimum import peaks as peaks
+    from .analysis.results import open_results as open_results
+    from .config.study import Config as Config
+    from .damper.case import Request as Request
+    from .damper.preparation import prepare as prepare
+    from .engine.batch import Batch as Batch
+    from .engine.batch import Case as Case
+    from .engine.batch import Simulation as Simulation
+    from .engine.ledger import Ledger as Ledger
+    from .errors import ConfigError as ConfigError
+    from .errors import PackingError as PackingError
+    from .errors import SimulationError as SimulationError
+    from .errors import StoreError as StoreError
+    from .modal.apparent_mass import corrected as corrected
     from .modal.frf import accelerance as accelerance
     from .modal.frf import constant_force as constant_force
-    from .modal.measured import fits as fits
-    from .optimum import peaks as peaks
-    from .packing import Request as Request
-    from .packing import prepare as prepare
-    from .plot import curves as curves
-    from .plot import draw as draw
-    from .scene import Cylinder as Cylinder
-    from .scene import Drive as Drive
-    from .scene import Grains as Grains
-    from .scene import Material as Material
-    from .scene import Scene as Scene
-    from .scene import State as State
-    from .scene import Surface as Surface
-    from .study import carry_out as carry_out
-    from .study import collect as collect
-    from .study import run as run
+    from .modal.identify import fits as fits
+    from .report.curves import curves as curves
+    from .report.curves import draw as draw
+    from .scene.effects import Effects as Effects
+    from .scene.particles import Grains as Grains
+    from .scene.particles import State as State
+    from .scene.scene import Cylinder as Cylinder
+    from .scene.scene import Drive as Drive
+    from .scene.scene import Material as Material
+    from .scene.scene import Scene as Scene
+    from .scene.scene import Surface as Surface
+    from .study.run import carry_out as carry_out
+    from .study.run import collect as collect
+    from .study.run import run as run
+    from .sweep.load import load as load
 
 __all__ = [*_HOMES, "PHYSICS_VERSION", "__version__"]
 

@@ -2,36 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
-from .results import over_seeds
+from .analysis.results import over_seeds
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .modal.modes import Modes
-
-
-def open_results(path: str | Path) -> xr.Dataset:
-    """Open a results file; its Dataset has ``.damper``.
-
-    Raises
-    ------
-    OSError
-        If it is not there, or is no results file.
-    """
-    try:
-        dataset = xr.open_dataset(path)
-    except ValueError:
-        raise OSError(f"{path}: is no netCDF file") from None
-    if "status" not in dataset:
-        dataset.close()
-        raise OSError(f"{path}: is no results file of warpdamp (it has no status)")
-    return dataset
 
 
 @xr.register_dataset_accessor("damper")
@@ -48,13 +29,13 @@ class Damper:
 
     def optimum(self, of: str = "effectiveness") -> xr.Dataset:
         """Gamma of fluidisation and of two-sided collision; see ``warpdamp.optimum.optimum``."""
-        from .optimum import optimum
+        from .analysis.optimum import optimum
 
         return optimum(self._dataset, of)
 
     def regime(self) -> xr.DataArray:
         """Regime of motion of every case; see ``warpdamp.regimes.regime``."""
-        from .regimes import regime
+        from .analysis.regimes import regime
 
         return regime(self._dataset)
 
@@ -96,12 +77,12 @@ class Damper:
 
     def plot(self) -> Figure:
         """The picture that the dimensions ask for; see ``warpdamp.plot.draw``."""
-        from .plot import draw
+        from .report.curves import draw
 
         return draw(self._dataset)
 
     def regime_map(self) -> Figure:
         """Regimes over frequency and Gamma; see ``warpdamp.maps.regime_map``."""
-        from .maps import regime_map
+        from .report.maps import regime_map
 
         return regime_map(self._dataset)

@@ -9,9 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-
-class StoreError(OSError):
-    """A folder of results that cannot be used: why, and what to do."""
+from .errors import StoreError
 
 
 @contextmanager

@@ -1,75 +1,51 @@
-"""How far the runs in a folder are."""
+"""How a case ended."""
 
 from __future__ import annotations
 
-import json
-import time
-from collections.abc import Iterator
-from pathlib import Path
-
-import numpy as np
-
-from .journal import EVERY
-from .plan import EXCLUDED, REFUSED, kept_plan
-from .rounds import NEEDED, called_for
-from .steady import FIRST_UNFINISHED
-from .store import Store
-
-SILENT = 12 * EVERY
-"""Seconds without a sign of life after which a run is taken for dead."""
+from enum import IntEnum
 
 
-def status(folder: str | Path) -> Iterator[str]:
-    """Lines that say what is done, at work, failed and left, and how long that takes.
+class Status(IntEnum):
+    """How a case ended; the value is what the Dataset's ``status`` holds."""
 
-    Raises
-    ------
-    StoreError
-        If the folder holds no study.
-    """
-    store = Store.existing(folder)
-    made, kept = kept_plan(store.folder), store.read(NEEDED)
-    keys = np.unique(made.keys[called_for(made, kept)])
-    own = np.isin(kept.keys, keys)
-    finished = own & (kept.status < FIRST_UNFINISHED)
-    done, failed = int(finished.sum()), int(own.sum() - finished.sum())
-    yield f"{store.folder}: {made.cases.config.title}"
-    share, left = 100 * done / max(1, len(keys)), len(keys) - done - failed
-    yield f"  {done} of {len(keys)} cases done ({share:.1f} %), {failed} failed, {left} left"
-    for fate, what in ((EXCLUDED, "excluded"), (REFUSED, "combinations that cannot be")):
-        if count := int(np.sum(made.fate == fate)):
-            yield f"  {count} {what}"
-    if len(kept) > own.sum():
-        others = len(kept) - int(own.sum())
-        yield f"  {others} cases of other studies, or of another version of the physics, are kept, too"
-    runs = [json.loads(path.read_text()) for path in sorted((store.folder / "runs").glob("*.json"))]
-    at_work = [run for run in runs if not run["ended"] and time.time() - run["seen"] < SILENT] if store.in_use() else []
-    for run in at_work:
-        yield "  " + _said(run)
-    if not at_work:
-        last = max(runs, key=lambda run: run["started"], default=None)
-        ended = f"; the last run {last['ended'] or 'was killed'}" if last else ""
-        rest = "" if done == len(keys) else "; run again to go on"
-        yield f"  nothing at work{ended}{rest}"
+    NOT_RUN = -1
+    STEADY = 0
+    IMPRECISE = 1
+    DRIFTING = 2
+    UNBALANCED = 3
+    TOO_DEEP = 4
+    NOT_FINITE = 5
+    ESCAPED = 6
+    FAILED = 20
+    DIED = 21
+    OVERDUE = 22
+    REFUSED = 23
+    EXCLUDED = 24
+
+    @property
+    def meaning(self) -> str:
+        """In words, with the remedy."""
+        return _MEANINGS[self]
 
 
-def _said(run: dict) -> str:
-    spent = run["seen"] - run["started"]
-    part = f", part {run['part']}" if run["part"] else ""
-    left = "not known yet"
-    if run["done"]:
-        left = duration(spent * (run["cases"] - run["done"]) / run["done"])
-    return (
-        f"at work: process {run['process']} on {run['host']}{part}: {run['done']} of {run['cases']} cases in "
-        f"{duration(spent)}, {run['batches_at_work']} batches in progress, {run['unfinished']} failed; "
-        f"time left: {left}"
-    )
+_MEANINGS = {
+    Status.STEADY: "steady: no drift left, work and dissipation in balance, standard error as asked",
+    Status.DRIFTING: "still drifting, or work and dissipation out of balance, at the limit of cycles: "
+    "raise steady_state.most_cycles",
+    Status.IMPRECISE: "steady, but the standard error is larger than asked: raise steady_state.most_cycles",
+    Status.UNBALANCED: "the energy ledger does not close to 2 %: raise numerics.steps_per_contact",
+    Status.TOO_DEEP: "contacts deeper than a tenth of the reduced radius, where Hertz's theory ends: take a stiffer "
+    "material or lower amplitudes",
+    Status.NOT_FINITE: "the state was no longer finite: raise numerics.steps_per_contact",
+    Status.ESCAPED: "a particle left the cavity: raise numerics.steps_per_contact, or lower the amplitude",
+    Status.FAILED: "could not be run; see message; a further run tries again",
+    Status.DIED: "its process died each time, perhaps for want of memory; a further run tries again",
+    Status.OVERDUE: "its process was stopped at the limit of time; a further run tries again",
+    Status.REFUSED: "a combination that cannot be; see message",
+    Status.EXCLUDED: "left out by sweep.exclude",
+    Status.NOT_RUN: "not run yet",
+}
 
 
-def duration(seconds: float) -> str:
-    """In the unit that suits it."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    if seconds < 5400:
-        return f"{seconds / 60:.0f} min"
-    return f"{seconds / 3600:.1f} h"
+FIRST_UNFINISHED = Status.FAILED
+"""From this status on a case has not been simulated to its end."""

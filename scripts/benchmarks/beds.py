@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from warpdamp import Batch, Case, Cylinder, State
-from warpdamp.packing import cache_folder, separate
+from warpdamp.damper.placement import separate
+from warpdamp.damper.preparation import cache_folder
 
 from .damper import RADIUS, cavity, damper
 

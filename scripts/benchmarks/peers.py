@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from warpdamp import Grains, Request, Scene, State, prepare
-from warpdamp.ledger import maximum_energy
+from warpdamp.engine.ledger import maximum_energy
 
 from .damper import COUNT, DT, RADIUS, STEPS_PER_CYCLE, damper, one_core, shake
 

@@ -17,9 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
-from warpdamp.effects import Effects
-from warpdamp.law import contact_constants
-from warpdamp.speed import frozen, jammed_bed
+from warpdamp.scene.contact import contact_constants
+from warpdamp.scene.effects import Effects
+from warpdamp.study.cost import frozen, jammed_bed
 
 HERE = Path(__file__).parent
 FLAGS = ("-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math", "-shared", "-fPIC")

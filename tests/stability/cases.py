@@ -23,12 +23,13 @@ from warpdamp import (
     Surface,
     prepare,
 )
-from warpdamp.effects import called_for
-from warpdamp.guards import DEEPEST, LARGEST_RESIDUAL, residual_share
+from warpdamp.damper.placement import separate
+from warpdamp.damper.preparation import settle
+from warpdamp.engine.checks import DEEPEST, LARGEST_RESIDUAL, residual_share
+from warpdamp.engine.ledger import Ledger
 from warpdamp.kernels import data
-from warpdamp.ledger import Ledger
-from warpdamp.packing import separate, settle
-from warpdamp.timestep import check_step, contact_step, steps_per_cycle
+from warpdamp.numerics.timestep import check_step, contact_step, steps_per_cycle
+from warpdamp.scene.effects import called_for
 
 PMMA = Material(920, 3.3e9, 0.37)
 RADIUS = 3.73e-3

@@ -19,7 +19,7 @@ from verification.suite import (
     scene,
     shaken,
 )  # fmt: skip
-from warpdamp.ledger import harmonic_work
+from warpdamp.engine.ledger import harmonic_work
 
 
 def one_ball(q, restitution, *, frequency=10.0, clearance=0.02, dt=2e-7, cycles=30):

@@ -21,7 +21,7 @@ from verification.suite import (
     scene,
     together,
 )  # fmt: skip
-from warpdamp.law import contact_constants
+from warpdamp.scene.contact import contact_constants
 
 RIGID = Material(1e4, 1e18, 0.3)
 ALUMINA = Material(4000, 3.8e11, 0.23)

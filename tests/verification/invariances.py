@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from verification.suite import PMMA, RADIUS, Batch, Case, Cylinder, Drive, Material, Result, State, case, scene
-from warpdamp.packing import separate
+from warpdamp.damper.placement import separate
 
 CAVITY = Cylinder(0.03, 0.03)
 

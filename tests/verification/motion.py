@@ -20,7 +20,7 @@ from verification.suite import (
     case,
     scene,
 )  # fmt: skip
-from warpdamp.law import contact_constants
+from warpdamp.scene.contact import contact_constants
 
 G = 9.81
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from warpdamp import Batch, Case, Cylinder, Drive, Material, Scene, Simulation, State, Surface
-from warpdamp.law import contact_constants
-from warpdamp.ledger import maximum_energy
-from warpdamp.timestep import contact_time
+from warpdamp.engine.ledger import maximum_energy
+from warpdamp.numerics.timestep import contact_time
+from warpdamp.scene.contact import contact_constants
 
 PMMA = Material(920, 3.3e9, 0.37)
 RADIUS = 3.73e-3

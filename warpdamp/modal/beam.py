@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import diags, eye, kron, vstack
 
-from ..scene import Material
+from ..scene.scene import Material
 from .fem import Solid, elastic_modes, extruded, graded, integrals, turned
 from .modes import Modes
 from .section import Section, moments

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..results import ran
+from ..analysis.results import ran
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -4,32 +4,26 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..errors import ModalError
+from .mode_csv import write_csv
+from .mode_uff import SUFFIXES, write_uff
 from .modes import Modes
-from .table import write_csv
-from .uff import SUFFIXES, write_uff
-
-PICTURES = (".png", ".pdf", ".svg")
 
 
-def export(modes: Modes, path: Path, *, title: str = "") -> None:
-    """Write a picture (.png, .pdf, .svg), a table (.csv) or a universal file (.uff, .unv, .uf).
+def export(modes: Modes, path: Path) -> None:
+    """Write a table (.csv) or a universal file (.uff, .unv, .uf).
 
     Raises
     ------
-    OSError
-        If the suffix is none of these, or the file cannot be written.
+    ModalError
+        If the suffix is none of these.
     MissingLibrary
         If a universal file is wanted and pyuff is not installed.
     """
     suffix = path.suffix.lower()
-    if suffix in PICTURES:
-        from ..plot import save
-        from .picture import shapes
-
-        save(shapes(modes, title), path)
-    elif suffix == ".csv":
+    if suffix == ".csv":
         write_csv(path, modes)
     elif suffix in SUFFIXES:
         write_uff(path, modes)
     else:
-        raise OSError(f"{path}: name a file that ends in {', '.join((*PICTURES, '.csv', *SUFFIXES))}")
+        raise ModalError(f"{path}: name a file that ends in {', '.join(('.csv', *SUFFIXES))}")

@@ -18,7 +18,7 @@ from scipy.linalg import eigh
 from scipy.sparse import block_diag, bmat, kron, spmatrix
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
-from ..scene import Material
+from ..scene.scene import Material
 
 if TYPE_CHECKING:
     from skfem import Basis

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import ModalError
+from ..errors import ModalError
 
 FEWEST_POINTS = 5
 """In a band: two straight lines have four coefficients."""

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..results import describe
-from ..scene import STANDARD_GRAVITY
-from . import ModalError
-from .apparent import ComplexMass, particle_mass, require_modes
-from .response import branches
+from ..errors import ModalError
+from ..scene.scene import STANDARD_GRAVITY
+from ..variables import describe
+from .apparent_mass import ComplexMass, particle_mass, require_modes
+from .harmonic_balance import branches
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -105,7 +105,7 @@ class MeshedSection:
         """
         from skfem import Basis, ElementQuad2, ElementTriP2, MeshQuad1, MeshTri1
 
-        from .meshfile import load_mesh
+        from .mesh_file import load_mesh
 
         mesh = load_mesh(self.file, self.unit)
         if not isinstance(mesh, MeshTri1 | MeshQuad1):

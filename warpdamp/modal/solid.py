@@ -10,9 +10,9 @@ import numpy as np
 from scipy.sparse import csr_matrix, eye, kron
 from scipy.sparse.csgraph import connected_components
 
-from ..scene import Material
+from ..scene.scene import Material
 from .fem import Solid, elastic_modes, extruded, graded, integrals, meshed, turned
-from .meshfile import load_mesh
+from .mesh_file import load_mesh
 from .modes import Modes
 
 Edge = Literal["clamped", "pinned", "free"]

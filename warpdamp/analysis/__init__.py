@@ -1,0 +1,1 @@
+"""What finished results say: Dataset in, Dataset or numbers out."""

@@ -1,0 +1,234 @@
+"""The command line: parse, call, print."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import structure as cli_structure
+from .common import ConfigArgument, one_line_errors, picture_file, progress, writable
+
+EXECUTORS = ("processes", "in-process", "dask")
+
+app = typer.Typer(
+    help="How much vibration a granular damper takes out of a structure.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+
+
+@app.command()
+def run(
+    config: ConfigArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")] = Path("results"),
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A first look in a minute: few amplitudes, one seed, loose bed, 12 cycles.")
+    ] = False,
+    workers: Annotated[int | None, typer.Option(min=1, help="Workers (default: all cores).")] = None,
+    executor: Annotated[
+        str, typer.Option(help="processes, in-process, dask, or the address of a Dask scheduler.")
+    ] = "processes",
+    part: Annotated[
+        str | None, typer.Option(metavar="K/N", help="Run the K-th of N parts only, as an array job does.")
+    ] = None,
+    limit: Annotated[
+        float | None, typer.Option(min=1, help="Seconds after which a batch is taken for hanging.")
+    ] = None,
+) -> None:
+    """Run a study, or what is left of it: one netCDF file, a picture, and a table of the peaks.
+
+    Every batch of cases is kept in OUTPUT/CONFIG as soon as it is done; the same command goes on from there.
+    """
+    from rich.console import Console
+
+    with one_line_errors():
+        from ..analysis.results import write
+        from ..report.curves import draw
+        from ..report.figures import save
+        from ..report.tables import summary, verdicts
+        from ..study import run as study
+        from ..sweep.load import load
+
+        if executor not in EXECUTORS and "://" not in executor:
+            raise typer.BadParameter(f"'{executor}' is none of {', '.join(EXECUTORS)}", param_hint="--executor")
+        checked, own = load(config), _part(part)
+        store = output / f"{config.stem}{'-quick' if quick else ''}"
+        path = store.with_name(f"{store.name}.nc")
+        writable(output)
+        started = time.perf_counter()
+        options = {"quick": quick, "workers": workers, "executor": executor, "limit": limit}
+        with _stoppable(store), progress() as report:
+            if own:
+                study.carry_out(checked, store, part=own, report=report, **options)
+                print(f"part {part} is done; warpdamp collect {store} puts all parts together")
+                return
+            dataset = study.run(checked, store=store, report=report, **options)
+        write(dataset, path)
+        save(draw(dataset), path.with_suffix(".png"))
+    console = Console()
+    console.print(summary(dataset))
+    for line in verdicts(dataset):
+        console.print(line, highlight=False)
+    spent = time.perf_counter() - started
+    console.print(f"{path} and {path.stem}.png, in {spent:.0f} s", highlight=False)
+
+
+def _part(text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    k, _, n = text.partition("/")
+    if not (k.isdigit() and n.isdigit() and 1 <= int(k) <= int(n)):
+        raise typer.BadParameter(f"'{text}' is no part: write as 17/200", param_hint="--part")
+    return int(k), int(n)
+
+
+@contextmanager
+def _stoppable(store: Path):
+    """Ctrl-C, or a scheduler's polite end, stops a run and says how to go on."""
+    import signal
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    except KeyboardInterrupt:
+        print(
+            f"\nwarpdamp: stopped; every finished batch is kept in {store}: the same command goes on from there, "
+            f"warpdamp status {store} says how far it is",
+            file=sys.stderr,
+        )
+        raise typer.Exit(130) from None
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+FolderArgument = Annotated[Path, typer.Argument(help="Folder of a run.", metavar="DIR")]
+
+
+@app.command()
+def status(folder: FolderArgument) -> None:
+    """Say how far a run is: done, at work, failed, and the time left."""
+    with one_line_errors():
+        from ..execution.progress import status as told
+
+        for line in told(folder):
+            print(line)
+
+
+@app.command()
+def collect(
+    folder: FolderArgument,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="netCDF file to write (default: beside DIR).")
+    ] = None,
+) -> None:
+    """Put all that is done so far into one netCDF file, at any moment."""
+    from rich.console import Console
+
+    with one_line_errors():
+        from ..analysis.results import write
+        from ..execution.store import Store
+        from ..report.tables import verdicts
+        from ..study.run import collect as collected
+
+        store = Store.existing(folder).folder
+        target = output or store.with_name(f"{store.name}.nc")
+        writable(target.parent)
+        dataset = collected(store)
+        write(dataset, target)
+    for line in verdicts(dataset):
+        Console().print(line, highlight=False)
+    print(target)
+
+
+@app.command()
+def explain(
+    config: ConfigArgument,
+    measure: Annotated[bool, typer.Option("--measure", help="Measure first what each effect costs here.")] = False,
+) -> None:
+    """Say what a study will simulate, why, and what it will take, without running it."""
+    with one_line_errors():
+        from ..study.explain import explain as explained
+        from ..sweep.load import load
+
+        checked = load(config)
+        if measure:
+            from ..study.cost import measure_study
+
+            measure_study(checked)
+        print(explained(checked))
+
+
+@app.command()
+def accuracy(
+    config: ConfigArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")] = Path("results"),
+    cycles: Annotated[int, typer.Option(min=30, help="Cycles of every run.")] = 120,
+    points: Annotated[int, typer.Option(min=2, help="Points of the study to take, at most.")] = 6,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes (default: all cores).")] = None,
+) -> None:
+    """Study what accuracy costs: each numerical choice varied at a few points of a study."""
+    with one_line_errors():
+        from ..analysis.results import write
+        from ..execution.executors import crew
+        from ..report.accuracy import budget, work_precision
+        from ..report.figures import save
+        from ..report.tables import accuracy_table
+        from ..study.accuracy import points_of
+        from ..study.accuracy import study as vary
+        from ..sweep.load import load
+
+        checked = load(config)
+        writable(output)
+        own = points_of(checked, points)
+        with progress() as report, crew("processes", workers) as processes:
+            runs = vary(own, lambda _: cycles, processes.executor, report=lambda done: report("runs", done))
+        path = output / f"{config.stem}-accuracy.nc"
+        write(runs, path)
+        save(work_precision(runs), path.with_suffix(".png"))
+        save(budget(runs), path.with_name(f"{path.stem}-budget.png"))
+    from rich.console import Console
+
+    Console().print(accuracy_table(runs))
+    print(path)
+
+
+@app.command()
+def plot(
+    file: Annotated[Path, typer.Argument(help="Results of a run.", metavar="FILE.nc")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="PNG to write (default: beside FILE).")] = None,
+) -> None:
+    """Draw a results file: curves, maps of frequency and Gamma, or scattered cases, as its dimensions ask."""
+    with one_line_errors():
+        from ..analysis.results import read
+        from ..report.curves import draw
+        from ..report.figures import save
+
+        target = picture_file(output or file.with_suffix(".png"))
+        dataset = read(file)
+        try:
+            figure = draw(dataset)
+        except ValueError as error:
+            raise OSError(f"{file}: {error}") from None
+        save(figure, target)
+    print(target)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of the configuration, for editors."""
+    from ..config.study import Config
+
+    print(json.dumps(Config.model_json_schema(), indent=2))
+
+
+app.registered_commands += cli_structure.app.registered_commands

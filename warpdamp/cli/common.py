@@ -1,0 +1,87 @@
+"""What the commands share: errors as one line, files that can be written, progress."""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ConfigArgument = Annotated[Path, typer.Argument(help="YAML file of the study.", metavar="CONFIG")]
+
+
+@contextmanager
+def one_line_errors():
+    """What a user can mend comes as one line and exit status 2; anything else is a bug and keeps its traceback."""
+    from ..errors import ConfigError, MissingLibrary, ModalError, PackingError, SimulationError
+
+    try:
+        yield
+    except (ConfigError, PackingError, SimulationError, ModalError, MissingLibrary, OSError) as error:
+        print(error if isinstance(error, ConfigError) else f"warpdamp: {error}", file=sys.stderr)
+        raise typer.Exit(2) from None
+
+
+def writable(folder: Path) -> None:
+    """Make the folder, or say why not, before anything long starts."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK):
+        raise PermissionError(f"{folder}: cannot be written")
+
+
+def picture_file(target: Path) -> Path:
+    """A file that a picture can be written to."""
+    from ..report.figures import PICTURES
+
+    if target.suffix not in PICTURES:
+        raise OSError(f"{target}: name a file that ends in .png, .pdf or .svg")
+    writable(target.parent)
+    return target
+
+
+def save_as_asked(dataset, draw, target: Path) -> None:
+    """The data or their picture, as the file's suffix says."""
+    from ..analysis.results import write
+    from ..report.figures import save
+
+    if target.suffix == ".nc":
+        writable(target.parent)
+        write(dataset, target)
+    else:
+        save(draw(dataset), picture_file(target))
+
+
+@contextmanager
+def progress():
+    """A bar with the time left on a terminal; plain lines elsewhere."""
+    if not sys.stderr.isatty():
+        yield _plain_progress()
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description:8}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        tasks = {}
+
+        def report(stage, done):
+            if stage not in tasks:
+                tasks[stage] = progress.add_task(stage, total=1.0)
+            progress.update(tasks[stage], completed=done)
+
+        yield report
+
+
+def _plain_progress():
+    last = {}
+
+    def report(stage, done):
+        tenth = int(10 * done)
+        if last.get(stage) != tenth:
+            last[stage] = tenth
+            print(f"{stage} {100 * done:.0f} %", file=sys.stderr, flush=True)
+
+    return report

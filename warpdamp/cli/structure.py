@@ -1,0 +1,167 @@
+"""The commands about structures: modes, FRFs, fits, coupled runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .common import ConfigArgument, one_line_errors, progress, save_as_asked, writable
+
+if TYPE_CHECKING:
+    from ..modal.modes import Modes
+
+app = typer.Typer()
+
+
+@app.command()
+def modes(
+    config: ConfigArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="Write those with the particles: a picture (.png), or a .csv or .uff file."
+        ),
+    ] = None,
+) -> None:
+    """Show the structure's modes, without and with the particles' mass."""
+    from rich.console import Console
+
+    with one_line_errors():
+        from ..config.build import particle_mass
+        from ..modal.from_config import modes as own_modes
+        from ..report.tables import modes_table
+        from ..sweep.cases import Cases
+        from ..sweep.load import load
+
+        checked = load(config)
+        if checked.structure is None:
+            raise checked.error("structure", "missing: there are no modes without a structure")
+        every = [point.config for point in Cases(checked).points() if point.config]
+        masses = {particle_mass(single) for single in every}
+        if not checked.structure.particles_included:
+            masses.add(0.0)
+        found = {m: own_modes(every[0], particles=m) for m in sorted(masses)}
+        if output:
+            _write_modes(found[max(masses)], output, checked.title)
+    console = Console()
+    for particles, own in found.items():
+        console.print(f"with {1e3 * particles:.2f} g of particles", highlight=False)
+        console.print(modes_table(own))
+
+
+def _write_modes(modes: Modes, path: Path, title: str) -> None:
+    """A picture, a table or a universal file, as the suffix says."""
+    from ..modal.export import export
+    from ..report.figures import PICTURES, save
+    from ..report.mode_shapes import shapes
+
+    if path.suffix.lower() in PICTURES:
+        save(shapes(modes, title), path)
+    else:
+        export(modes, path)
+
+
+@app.command()
+def coupled(
+    config: ConfigArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")] = Path("results"),
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes (default: all cores).")] = None,
+) -> None:
+    """Let the structure answer: a force on it, or its release, with the particles in the loop."""
+    with one_line_errors():
+        from ..analysis.results import write
+        from ..coupled.run import simulate
+        from ..execution.executors import crew
+        from ..report.coupled import answers
+        from ..report.figures import save
+        from ..sweep.load import load
+
+        checked = load(config)
+        writable(output)
+        with progress() as report, crew("processes", workers) as processes:
+            runs = simulate(checked, processes.executor, lambda done: report("runs", done))
+        path = output / f"{config.stem}-coupled.nc"
+        write(runs, path)
+        save(answers(runs), path.with_suffix(".png"))
+    lost = runs["particle_loss"] + runs["structure_loss"]
+    print(
+        f"particles took {100 * float((runs['particle_loss'] / lost).mean()):.3g} % of the energy lost; energy of "
+        f"structure and particles closes to {100 * float(runs['closure'].max()):.2g} % of it"
+    )
+    print(path)
+
+
+def _newtons(text: str) -> float:
+    from ..config.quantities import to_si
+
+    try:
+        return to_si(text, "N")
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
+@app.command()
+def frf(
+    file: Annotated[Path, typer.Argument(help="Results of a run with a structure.", metavar="RESULTS.nc")],
+    constant_force: Annotated[
+        list[float] | None,
+        typer.Option(
+            parser=_newtons,
+            metavar="FORCE",
+            help="Amplitude of the force, as '50 mN'; may be repeated (default: controlled Gamma).",
+        ),
+    ] = None,
+    band: Annotated[tuple[float, float] | None, typer.Option(help="Lowest and highest frequency [Hz].")] = None,
+    at: Annotated[list[str] | None, typer.Option(help="Value of a swept scalar, as friction=0.5.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help=".nc for the data, .png for a picture (default: beside FILE).")
+    ] = None,
+) -> None:
+    """Accelerance of the structure with its damper: at controlled Gamma, or every branch at constant force."""
+    with one_line_errors():
+        from ..analysis.results import read
+        from ..modal import frf as response
+        from ..report.frf import families, force_curves
+
+        target = output or file.with_name(f"{file.stem}-frf.png")
+        dataset = response.chosen(read(file), at or [])
+        if constant_force:
+            found, draw = response.constant_force(dataset, constant_force, band), force_curves
+        else:
+            found, draw = response.accelerance(dataset, band=band), families
+        save_as_asked(found, draw, target)
+    print(target)
+
+
+@app.command()
+def fit(
+    file: Annotated[Path, typer.Argument(help="FRF: .nc of `warpdamp frf`, .csv, .uff.", metavar="FRF")],
+    near: Annotated[
+        list[float] | None,
+        typer.Option(help="Frequency near a mode's peak [Hz]; may be repeated (default: every peak)."),
+    ] = None,
+    at: Annotated[list[str] | None, typer.Option(help="Which of several FRFs, as level=2.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help=".nc for the data, .png for a picture over Gamma.")
+    ] = None,
+) -> None:
+    """Frequency and damping of an FRF's modes: line fit, Dobson, circle fit, least squares."""
+    from rich.console import Console
+
+    with one_line_errors():
+        from ..modal.frf import chosen
+        from ..modal.identify import fits, read_frf
+        from ..report.frf import fitted_curves
+        from ..report.tables import fits_table
+
+        found = fits(chosen(read_frf(file), at or []), near)
+        if output:
+            if output.suffix != ".nc" and "gamma" not in found.dims:
+                raise OSError(f"{output}: one FRF has nothing to draw over Gamma: name a file that ends in .nc")
+            save_as_asked(found, fitted_curves, output)
+    console = Console()
+    console.print(fits_table(found))
+    for line in found.attrs["refused"]:
+        console.print(line, highlight=False)

@@ -1,0 +1,1 @@
+"""YAML in, SI out: validated models of a configuration, and the scenes that they describe."""

@@ -1,0 +1,67 @@
+"""From a configuration of single values to what is simulated."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..scene.particles import Grains
+from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
+from .damper import WALLS
+from .study import Config
+
+
+def as_list(value) -> list:
+    """A swept scalar's values, whether one or a list."""
+    return list(value) if isinstance(value, list) else [value]
+
+
+def grains(config: Config) -> Grains:
+    """Radius and species of every particle of a configuration."""
+    mixture, names = config.damper.mixture, _species(config)
+    return Grains(
+        tuple(float(r) for part in mixture for r in part.radii()),
+        tuple(names.index(part.material) for part in mixture for _ in range(part.count)),
+    )
+
+
+def _species(config: Config) -> list[str]:
+    """Names of the particles' materials, each once."""
+    return list(dict.fromkeys(part.material for part in config.damper.mixture))
+
+
+def material(config: Config, name: str) -> Material:
+    """A named material of a configuration without lists."""
+    return Material(**config.materials[name].model_dump())
+
+
+def scene(config: Config) -> Scene:
+    """The scene of a configuration without lists, enclosure at rest."""
+    contact, cavity, names = config.contact, config.damper.enclosure, _species(config)
+
+    def surface(one: str, other: str) -> Surface:
+        given = contact.pairs.get(f"{one} with {other}") or contact.pairs.get(f"{other} with {one}")
+        given = given or (contact.walls if other == WALLS and contact.walls else contact)
+        return Surface(given.restitution, given.friction, given.rolling_friction)
+
+    pairs = tuple(tuple(surface(one, other) for other in names) for one in names)
+    walls = tuple(surface(one, WALLS) for one in names)
+    materials = tuple(material(config, name) for name in names)
+    alone = len(names) == 1
+    return Scene(
+        particle=materials[0] if alone else materials,
+        wall=material(config, cavity.material),
+        particle_contact=pairs[0][0] if alone else pairs,
+        wall_contact=walls[0] if alone else walls,
+        enclosure=Cylinder(cavity.diameter, cavity.height, cavity.side, cavity.floor, cavity.lid),
+        gravity=tuple(config.excitation.gravity * part for part in config.excitation.gravity_direction),
+    )
+
+
+def drive(config: Config, frequency: float, gamma: float) -> Drive:
+    """With acceleration amplitude Gamma g."""
+    return Drive(frequency, gamma * STANDARD_GRAVITY, config.excitation.direction)
+
+
+def particle_mass(config: Config) -> float:
+    """Of all particles of a configuration without lists [kg]."""
+    return float(np.sum(scene(config).masses(grains(config))))

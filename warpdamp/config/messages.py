@@ -1,0 +1,120 @@
+"""What is wrong with a configuration, in words, at its place in the file."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from typing import get_args
+
+from pydantic import BaseModel
+
+
+def keys(data, loc) -> list:
+    """The part of a pydantic location that exists in the YAML tree (unions add names of their own)."""
+    keys, node = [], data
+    for part in loc:
+        if isinstance(node, dict) and part in node:
+            node = node[part]
+            keys.append(part)
+        elif isinstance(node, list) and isinstance(part, int) and part < len(node):
+            node = node[part]
+            keys.append(part)
+    return keys
+
+
+def place(data, loc) -> str:
+    """line:column of the innermost key of a location."""
+    node, place = data, (0, 0)
+    for key in keys(data, loc):
+        place = node.lc.item(key) if isinstance(key, int) else node.lc.key(key)
+        node = node[key]
+    return f"{place[0] + 1}:{place[1] + 1}"
+
+
+def telling(errors, data, root):
+    """The errors worth a line: one a place, the most telling branch of a union, no echo of a misspelt key."""
+    best: dict = {}
+    for error in errors:
+        ours = len(error["loc"]) - (error["type"] == "extra_forbidden")  # an unknown key may look like a union's name
+        loc = tuple(part for k, part in enumerate(error["loc"]) if k >= ours or not _is_union_name(part))
+        loc, message = _pointed(loc, error["msg"].removeprefix("Value error, "), data)
+        rank = error["type"] in ("list_type", "literal_error")
+        if loc not in best or rank < best[loc][0]:
+            best[loc] = (rank, error | {"loc": loc, "msg": message})
+    misspelt = {
+        (*loc[:-1], _closest(loc[-1], _known_keys(root, loc[:-1])))
+        for loc, (_, error) in best.items()
+        if error["type"] == "extra_forbidden"
+    }
+    return [
+        error
+        for loc, (_, error) in best.items()
+        if not (error["type"] == "missing" and loc in misspelt)
+        and not (loc and any(other != loc and other[: len(loc)] == loc for other in best))
+    ]
+
+
+def _pointed(loc, message, data):
+    """A model's error that starts with a key of its own ("modes: each mode once") is placed at that key."""
+    head, _, rest = message.partition(": ")
+    target = (*loc, *(int(key) if key.isdecimal() else key for key in head.split(".")))
+    if rest and len(keys(data, target)) == len(target):
+        return target, rest
+    return loc, message
+
+
+def _is_union_name(part) -> bool:
+    return isinstance(part, str) and ("[" in part or part in ("float", "int", "list"))
+
+
+def explained(error, root) -> str:
+    """A pydantic error in our words."""
+    key = ".".join(str(part) for part in error["loc"])
+    kind, given = error["type"], error.get("input")
+    if kind == "extra_forbidden":
+        return f"{key}: unknown key{suggestion(error['loc'][-1], _known_keys(root, error['loc'][:-1]))}"
+    if kind == "missing":
+        return f"{key}: missing"
+    message = error["msg"]
+    if kind == "literal_error":
+        message = f"'{given}' is not one of {error['ctx']['expected']}"
+    elif kind in ("model_type", "dict_type"):
+        message = f"expected keys below it, got {given!r}"
+    elif kind in ("tuple_type", "list_type"):
+        message = f"expected a list, as [a, b], got {given!r}"
+    elif kind != "value_error":
+        message = f"{message[0].lower()}{message[1:]}, got {given!r}"
+    return f"{key}: {message}" if key else message
+
+
+def _known_keys(root: type[BaseModel], loc) -> list[str]:
+    """Keys allowed at a location, from the fields of the ``root`` model."""
+    model = root
+    for part in loc:
+        field = {f.alias or name: f for name, f in model.model_fields.items()}.get(part)
+        if field:  # otherwise an item of a list, or a name of the user's own
+            model = next(_models(field.annotation), model)
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _models(annotation) -> Iterator[type[BaseModel]]:
+    """The models that an annotation is made of."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _models(part)
+
+
+def _closest(name, known) -> str | None:
+    return next(iter(difflib.get_close_matches(str(name), list(known), n=1)), None)
+
+
+def suggestion(name, known) -> str:
+    """The end of a sentence about a name that is not known."""
+    close = _closest(name, known)
+    return f"; did you mean '{close}'?" if close else f"; choose from {', '.join(known)}"
+
+
+def printable(line: str) -> str:
+    """The line with whatever would break it, or not show, spelt out."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)

@@ -1,0 +1,79 @@
+"""A YAML file read and validated, and a configuration written back."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ..errors import ConfigError
+from .messages import explained, place, printable, telling
+from .study import Config
+
+
+def read(path) -> Config:
+    """Read and validate a YAML file.
+
+    Raises
+    ------
+    ConfigError
+        One line for every error: file:line:column: key: what is wrong.
+    """
+    path = Path(path)
+    data = _read(path)
+    try:
+        config = Config.model_validate(_plain(data))
+    except ValidationError as error:
+        errors = telling(error.errors(), data, Config)
+        lines = [f"{path}:{place(data, e['loc'])}: {explained(e, Config)}" for e in errors]
+        raise ConfigError("\n".join(map(printable, lines))) from None
+    config._source = (path, data)
+    return config
+
+
+def resolved_yaml(config: Config) -> str:
+    """The configuration with every default filled in, in SI, as YAML."""
+    from ruamel.yaml import YAML
+
+    text = io.StringIO()
+    yaml = YAML()
+    yaml.dump(config.model_dump(mode="json", by_alias=True), text)
+    return text.getvalue()
+
+
+def _read(path: Path):
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: not YAML: no UTF-8 text (byte {error.start})") from None
+    try:
+        data = YAML(typ="rt").load(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        raise ConfigError(printable(f"{path}:{mark.line + 1}:{mark.column + 1}: not YAML: {error.problem}")) from None
+    except (YAMLError, ValueError) as error:
+        raise ConfigError(printable(f"{path}: not YAML: {' '.join(str(error).split())}")) from None
+    if not isinstance(data, dict):
+        raise ConfigError(f"{path}:1:1: not a warpdamp configuration: expected keys such as 'damper:' at the top level")
+    return data
+
+
+def _plain(node: Any) -> Any:
+    """The YAML tree as plain dicts, lists and scalars."""
+    if isinstance(node, dict):
+        return {str(key): _plain(value) for key, value in node.items()}
+    if isinstance(node, list):
+        return [_plain(value) for value in node]
+    if isinstance(node, bool) or node is None:
+        return node
+    for kind in (int, float, str):
+        if isinstance(node, kind):
+            return kind(node)
+    return str(node)

@@ -1,0 +1,259 @@
+"""The ``structure`` section of the configuration: where the modes come from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, StrictInt, model_validator
+
+from .base import NOT_NEGATIVE, POSITIVE, Model
+from .quantities import Frequency, Length, Mass, Number, quantity
+
+Support = Literal["clamped", "pinned", "free"]
+Direction = Literal["x", "y", "z"] | Annotated[list[Number], Field(min_length=3, max_length=3)]
+MeshUnit = Annotated[Length, POSITIVE]
+ModeNumber = Annotated[StrictInt, Field(ge=1)]
+Damping = Annotated[Number, NOT_NEGATIVE]
+
+
+class SectionConfig(Model):
+    """A section of any shape: a plane mesh, its first coordinate along the width, its second along the thickness."""
+
+    file: str
+    unit: MeshUnit = 1.0
+
+
+class BeamConfig(Model):
+    """A straight beam.  Its section is width and thickness, diameter, diameter and wall, or a mesh."""
+
+    length: Annotated[Length, POSITIVE]
+    width: Annotated[Length, POSITIVE] | None = None
+    thickness: Annotated[Length, POSITIVE] | None = None
+    diameter: Annotated[Length, POSITIVE] | None = None
+    wall: Annotated[Length, POSITIVE] | None = None
+    section: SectionConfig | None = None
+    material: str
+    supports: tuple[Support, Support] = ("clamped", "clamped")
+    bends: Literal["thickness", "width"] = "thickness"
+
+    @model_validator(mode="after")
+    def _one_section(self):
+        given = {name for name in ("width", "thickness", "diameter", "wall", "section") if getattr(self, name)}
+        if given not in ({"width", "thickness"}, {"diameter"}, {"diameter", "wall"}, {"section"}):
+            raise ValueError(
+                "a section is width and thickness, or diameter, or diameter and wall, or a mesh (section); "
+                f"got {' and '.join(sorted(given)) or 'none of them'}"
+            )
+        if self.wall and 2 * self.wall >= self.diameter:
+            raise ValueError("wall: leaves no hole; leave it out for a solid rod")
+        return self
+
+
+class PlateConfig(Model):
+    """A rectangular plate from (0, 0) to (length, width); edges at x = 0, x = length, y = 0, y = width."""
+
+    length: Annotated[Length, POSITIVE]
+    width: Annotated[Length, POSITIVE]
+    thickness: Annotated[Length, POSITIVE]
+    material: str
+    edges: tuple[Support, Support, Support, Support] = ("clamped",) * 4
+
+
+class BoxConfig(Model):
+    """A part of space: for each coordinate that matters a plane, or the limits [from, to]."""
+
+    x: Length | Annotated[list[Length], Field(min_length=2, max_length=2)] | None = None
+    y: Length | Annotated[list[Length], Field(min_length=2, max_length=2)] | None = None
+    z: Length | Annotated[list[Length], Field(min_length=2, max_length=2)] | None = None
+
+    @model_validator(mode="after")
+    def _some(self):
+        if self.x is None and self.y is None and self.z is None:
+            raise ValueError("give at least one of x, y and z")
+        return self
+
+
+class MeshConfig(Model):
+    """A solid of any shape: a mesh of tetrahedra or hexahedra, held at named boundaries or in boxes."""
+
+    file: str
+    unit: MeshUnit = 1.0
+    material: str
+    clamped: list[str | BoxConfig] = Field([])
+    direction: Direction = "z"
+
+
+class PointMassConfig(Model):
+    """A mass fixed to the structure: the empty damper with its fixtures, or any other.
+
+    Its position is along a beam, [x, y] on a plate, [x, y, z] on a mesh; on plates and meshes it stands on a
+    footprint of some diameter.
+    """
+
+    mass: Annotated[Mass, NOT_NEGATIVE]
+    position: Length | Annotated[list[Length], Field(min_length=2, max_length=3)]
+    rotary_inertia: Annotated[quantity("kg m^2"), NOT_NEGATIVE] = 0.0
+    footprint: Annotated[Length, POSITIVE] | None = None
+
+
+class ModeFileConfig(Model):
+    """Modes from a UFF or CSV file, and where on it the damper sits."""
+
+    file: str
+    node: StrictInt | None = None
+    position: Annotated[list[Length], Field(min_length=3, max_length=3)] | None = None
+    direction: Direction = "z"
+    modal_mass: Annotated[Mass, POSITIVE] | list[Annotated[Mass, POSITIVE]] | None = None
+    units: Literal["SI", "BG", "MG", "BA", "MM", "CM", "IN", "GM"] | None = None
+
+    @model_validator(mode="after")
+    def _one_place(self):
+        if (self.node is None) == (self.position is None):
+            raise ValueError("give the damper's node, or its position, as [0 mm, 0 mm, 290 mm]")
+        return self
+
+
+class GivenModeConfig(Model):
+    """A mode in numbers: its shape at the damper as modal mass 1 / phi^2 or as amplitude phi."""
+
+    frequency: Annotated[Frequency, POSITIVE]
+    modal_mass: Annotated[Mass, POSITIVE] | None = None
+    amplitude: Annotated[quantity("kg^-0.5"), POSITIVE] | None = None
+    damping: Damping = 0.0
+    number: ModeNumber | None = None
+
+    @model_validator(mode="after")
+    def _scaled(self):
+        if self.modal_mass is None and self.amplitude is None:
+            raise ValueError(
+                "no modal mass: nothing says how much of the structure moves with the damper; give modal_mass (in kg, "
+                "of the shape scaled to 1 at the damper) or amplitude (the mass-normalised shape there, in kg^-0.5)"
+            )
+        if self.modal_mass is not None and self.amplitude is not None:
+            raise ValueError("amplitude: is 1 / sqrt(modal_mass): give one of the two")
+        return self
+
+    @property
+    def phi(self) -> float:
+        """Mass-normalised shape at the damper [kg^-0.5]."""
+        return self.amplitude if self.modal_mass is None else self.modal_mass**-0.5
+
+
+class StructureConfig(Model):
+    """The vibrating structure that the damper sits on, by exactly one of the first five keys."""
+
+    beam: BeamConfig | None = None
+    plate: PlateConfig | None = None
+    mesh: MeshConfig | None = None
+    mode_file: ModeFileConfig | None = None
+    modes_given: Annotated[list[GivenModeConfig], Field(min_length=1)] | None = None
+    point_mass: PointMassConfig | None = None
+    other_masses: list[PointMassConfig] = Field([])
+    particles_included: bool | None = None
+    modes: Annotated[list[Annotated[StrictInt, Field(ge=1, le=200)]], Field(min_length=1)] | None = None
+    inherent_damping: Damping | list[Damping] | None = None
+
+    @property
+    def source(self) -> str:
+        """The key that says where the modes come from."""
+        return next(name for name in SOURCES if getattr(self, name) is not None)
+
+    @property
+    def computed(self) -> bool:
+        """Whether finite elements compute the modes."""
+        return self.source in ("beam", "plate", "mesh")
+
+    @property
+    def material(self) -> str | None:
+        """Name of the structure's material, where it has one."""
+        return getattr(self, self.source).material if self.computed else None
+
+    def found_from(self, folder: Path) -> StructureConfig:
+        """The same with paths of its files that start at ``folder``, where they are not whole already."""
+        own = getattr(self, self.source)
+        if self.source == "beam" and own.section:
+            section = own.section.model_copy(update={"file": str(folder / own.section.file)})
+            return self.model_copy(update={"beam": own.model_copy(update={"section": section})})
+        if self.source in ("mesh", "mode_file"):
+            return self.model_copy(update={self.source: own.model_copy(update={"file": str(folder / own.file)})})
+        return self
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        sources = [name for name in SOURCES if getattr(self, name) is not None]
+        if len(sources) != 1:
+            raise ValueError(f"give one of {', '.join(SOURCES)}; got {' and '.join(sources) or 'none of them'}")
+        if self.computed:
+            self._check_computed()
+        else:
+            self._check_known()
+        if self.modes and len(set(self.modes)) < len(self.modes):
+            raise ValueError("modes: each mode once")
+        given = self.inherent_damping
+        if isinstance(given, list) and len(given) != len(self.modes or given):
+            raise ValueError(
+                f"inherent_damping: {len(given)} values for {len(self.modes)} modes: give one, or one per mode"
+            )
+        return self
+
+    def _check_computed(self):
+        for name in ("point_mass", "modes"):
+            if getattr(self, name) is None:
+                raise ValueError(f"{name} is missing: {NEEDED[name]}")
+        if self.particles_included is not None:
+            raise ValueError("particles_included: is for known modes; to computed ones the particles are always added")
+        _check_place(self, "point_mass", self.point_mass)
+        for k, mass in enumerate(self.other_masses):
+            _check_place(self, f"other_masses.{k}", mass)
+
+    def _check_known(self):
+        for name in ("point_mass", "other_masses"):
+            if getattr(self, name):
+                raise ValueError(
+                    f"{name}: is for computed modes: known ones contain the masses that they were made with"
+                )
+        if self.particles_included is None:
+            raise ValueError(
+                "particles_included is missing: say true if these modes were measured or computed with the particles' "
+                "mass in place, false if with the empty damper; the particles are then added"
+            )
+        if self.modes_given:
+            numbers = [given.number or k for k, given in enumerate(self.modes_given, 1)]
+            if len(set(numbers)) < len(numbers):
+                raise ValueError("modes_given: each number once")
+            if self.inherent_damping is not None and any(given.damping for given in self.modes_given):
+                raise ValueError("inherent_damping: is given for each mode already, as damping")
+
+
+SOURCES = ("beam", "plate", "mesh", "mode_file", "modes_given")
+NEEDED = {
+    "point_mass": "the empty damper's mass and position, as {mass: 200 g, position: 290 mm}",
+    "modes": "the numbers of the modes to damp, as [1, 3]",
+}
+COORDINATES = {"beam": 1, "plate": 2, "mesh": 3}
+SHOWN = {1: "290 mm", 2: "[100 mm, 50 mm]", 3: "[100 mm, 50 mm, 2 mm]"}
+
+
+def _check_place(structure: StructureConfig, place: str, mass: PointMassConfig) -> None:
+    """A mass has the coordinates that its structure calls for, and sits where it can move."""
+    source = structure.source
+    position = mass.position if isinstance(mass.position, list) else [mass.position]
+    if len(position) != COORDINATES[source]:
+        raise ValueError(f"{place}.position: on a {source} it is written as {SHOWN[COORDINATES[source]]}")
+    if source == "beam" and mass.footprint is not None:
+        raise ValueError(f"{place}.footprint: a mass on a beam is fixed to the whole section")
+    if source != "beam" and mass.footprint is None:
+        raise ValueError(f"{place}: footprint is missing: the diameter of what the mass stands on, as 40 mm")
+    if source != "beam" and mass.rotary_inertia:
+        raise ValueError(f"{place}.rotary_inertia: is for beams only")
+    if source == "mesh":
+        return
+    held = structure.beam.supports if source == "beam" else structure.plate.edges
+    sides = [structure.beam.length] if source == "beam" else [structure.plate.length, structure.plate.width]
+    for axis, (x, side) in enumerate(zip(position, sides, strict=True)):
+        if not 0 <= x <= side:
+            raise ValueError(f"{place}.position: lies beyond the end of the {source}")
+        for end, support in zip((0.0, side), held[2 * axis :], strict=False):
+            if support != "free" and x == end:
+                raise ValueError(f"{place}.position: is at a {support} end, which does not move")

@@ -1,0 +1,148 @@
+"""The whole configuration as one validated model, whose errors name file, line and column."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    Field,
+    PrivateAttr,
+    StrictInt,
+    model_validator,
+)
+
+from ..errors import ConfigError
+from ..numerics.tolerance import FEWEST_PACKINGS
+from .base import POSITIVE as _positive
+from .base import Model
+from .coupled import CoupledConfig
+from .damper import WALLS, ContactConfig, DamperConfig, EffectsConfig, ExcitationConfig, MaterialConfig, between
+from .messages import keys, place, printable, suggestion
+from .quantities import Number, Time
+from .structure import StructureConfig
+from .sweep import SweepConfig
+
+
+class SteadyConfig(Model):
+    """When a case is done.  ``paper``: fixed times, 0.2 s of settling and 0.3 s of shaking, for comparison."""
+
+    recipe: Literal["detect", "paper"] = "detect"
+    standard_error: Annotated[Number, _positive] = 0.02
+    fewest_cycles: Annotated[StrictInt, Field(ge=8)] = 30
+    most_cycles: Annotated[StrictInt, Field(ge=8)] = 1000
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if self.most_cycles < self.fewest_cycles:
+            raise ValueError(f"most_cycles: is below fewest_cycles ({self.fewest_cycles})")
+        return self
+
+
+class AccuracyConfig(Model):
+    """Accuracy bought: the runner chooses the step, how long each case runs, and how many packings a point gets.
+
+    ``tolerance`` is the standard error of the energy per cycle with all its parts.
+    """
+
+    tolerance: Annotated[Number, Field(gt=0, le=0.5)]
+    most_packings: Annotated[StrictInt, Field(ge=FEWEST_PACKINGS, le=100)] = 32
+
+    @model_validator(mode="before")
+    @classmethod
+    def _preset(cls, value):
+        if not isinstance(value, str):
+            return value
+        if value not in PRESETS:
+            raise ValueError(f"'{value}' is not one of {', '.join(PRESETS)}; or give tolerance: 2 %")
+        return {"tolerance": PRESETS[value]}
+
+
+class NumericsConfig(Model):
+    """Precision and step of the motion."""
+
+    precision: Literal["float64", "float32"] = "float64"
+    steps_per_contact: Annotated[Number, Field(ge=10)] = 24.0
+    step: Literal["auto"] | Annotated[Time, _positive] = "auto"
+
+
+class Config(Model):
+    """A study: a damper, how it is shaken, and the structure it sits on."""
+
+    title: str = "Granular damper"
+    structure: StructureConfig | None = None
+    damper: DamperConfig
+    materials: Annotated[
+        dict[Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_-]*$")], MaterialConfig], Field(min_length=1)
+    ]
+    contact: ContactConfig
+    excitation: ExcitationConfig
+    preparation: Literal["loose", "compacted", "carried"] = "compacted"
+    steady_state: SteadyConfig = SteadyConfig()
+    accuracy: AccuracyConfig | None = None
+    effects: EffectsConfig = EffectsConfig()
+    numerics: NumericsConfig = NumericsConfig()
+    seeds: list[Annotated[StrictInt, Field(ge=0)]] = Field([1], min_length=1)
+
+    sweep: SweepConfig | None = None
+    coupled: CoupledConfig | None = None
+
+    _source: tuple[Path, Any] | None = PrivateAttr(default=None)
+
+    def error(self, key: str | tuple, message: str) -> ConfigError:
+        """An error at a key (dotted, or as a tuple), with file, line and column where the configuration has a file."""
+        parts = tuple(key.split(".")) if isinstance(key, str) else key
+        said = f"{'.'.join(map(str, parts))}: {message}"
+        if self._source is None:
+            return ConfigError(said)
+        path, data = self._source
+        return ConfigError(printable(f"{path}:{place(data, parts)}: {said}"))
+
+    @property
+    def folder(self) -> Path:
+        """Where files that the configuration names are looked for: its own folder."""
+        return self._source[0].parent if self._source else Path()
+
+    def line(self, key: str) -> int | None:
+        """Line of a dotted key in the file that the configuration came from; None where it does not say it."""
+        if self._source is None:
+            return None
+        data, parts = self._source[1], key.split(".")
+        return int(place(data, parts).split(":")[0]) if len(keys(data, parts)) == len(parts) else None
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        named = self.damper.materials()
+        own = self.structure.material if self.structure else None
+        if own:
+            named[f"structure.{self.structure.source}.material"] = own
+        for where, name in named.items():
+            if name not in self.materials:
+                raise ValueError(f"{where}: there is no material '{name}'{suggestion(name, self.materials)}")
+        for name in self.materials:
+            if name not in named.values():
+                raise ValueError(f"materials.{name}: is not used by anything")
+        if own and any(isinstance(value, list) for value in vars(self.materials[own]).values()):
+            raise ValueError(f"structure.{self.structure.source}.material: the structure's material cannot be swept")
+        if self.excitation.frequency == "modes" and not self.structure:
+            raise ValueError("excitation.frequency: 'modes' needs a structure; give frequencies, as [46 Hz, 100 Hz]")
+        gravities = self.excitation.gravity if isinstance(self.excitation.gravity, list) else [self.excitation.gravity]
+        if self.preparation == "compacted" and 0 in gravities:
+            raise ValueError("preparation: a bed cannot be compacted without gravity; set preparation: loose")
+        if len(set(self.seeds)) < len(self.seeds):
+            raise ValueError("seeds: each seed once")
+        grains = [p.material for p in self.damper.mixture]
+        for key in self.contact.pairs:
+            for name in between(key):
+                if name != WALLS and name not in grains:
+                    raise ValueError(f"contact.pairs.{key}: there are no particles of '{name}'")
+        for name, missing in self.damper.enclosure.open_towards(self.excitation.gravity_direction).items():
+            if missing and 0 not in gravities:
+                raise ValueError(f"damper.enclosure.{name}: gravity draws the particles out where there is no {name}")
+        if self.steady_state.recipe == "paper" and self.preparation != "loose":
+            raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
+        return self
+
+
+PRESETS = {"fast": 0.05, "balanced": 0.03, "reference": 0.02}
+"""Tolerances by name; what they choose, and that they err by 3.0, 1.3 and 1.4 %, is in docs/accuracy.md."""

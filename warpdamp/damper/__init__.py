@@ -1,0 +1,1 @@
+"""The damper by itself: particles placed and prepared, then shaken until the energy per cycle is steady."""

@@ -1,0 +1,151 @@
+"""What a bed and a case depend on, and the recipe by which beds are compacted."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from dataclasses import asdict, dataclass, replace
+from typing import Literal
+
+from ..numerics.timestep import STEPS_PER_CONTACT, Numerics
+from ..scene.effects import Effects, called_for
+from ..scene.particles import Grains
+from ..scene.scene import Scene
+from ..version import PHYSICS_VERSION
+
+Preparation = Literal["loose", "compacted"]
+
+
+GROWN = 1.003
+"""Beds are made with radii this much larger, so that the true ones start apart and release no energy."""
+
+
+SHAKING_GAMMA = 6.0
+
+
+SHAKING_AMPLITUDE = 0.1  # of a diameter
+
+
+BLOCK = 20  # cycles
+
+
+WINDOW = 10  # blocks
+
+
+STILL = 0.0025  # of a diameter
+
+
+FEWEST_BLOCKS, MOST_BLOCKS = 30, 60
+
+
+FEWEST_BLOCKS, MOST_BLOCKS = 30, 60
+
+
+RECIPE = (GROWN, SHAKING_GAMMA, SHAKING_AMPLITUDE, BLOCK, WINDOW, STILL, FEWEST_BLOCKS, MOST_BLOCKS)
+"""A part of every bed's key, so that beds made by another recipe are not taken for these."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """All that a bed depends on.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its drive does not matter.
+    grains : Grains
+    seed : int
+    preparation : "loose" or "compacted"
+    settling_time : [s] or None
+        A fixed time to settle in, as in the paper, instead of until at rest.
+    numerics : Numerics
+        A study may take fewer steps a contact than usual, a bed is not made with fewer: compacting takes half of them.
+    """
+
+    scene: Scene
+    grains: Grains
+    seed: int
+    preparation: Preparation = "compacted"
+    settling_time: float | None = None
+    numerics: Numerics = Numerics()  # noqa: RUF009 - frozen
+
+    def __post_init__(self):
+        steps = max(self.numerics.steps_per_contact, STEPS_PER_CONTACT)
+        object.__setattr__(self, "numerics", replace(self.numerics, steps_per_contact=steps))
+
+    def key(self) -> str:
+        """Hash of the inputs, the recipe, and the version of the physics."""
+        values = asdict(self) | {"scene": asdict(self.scene.driven(None)), "physics": PHYSICS_VERSION, "recipe": RECIPE}
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:24]
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """When a case is done.
+
+    Parameters
+    ----------
+    standard_error : asked for, relative to the energy per cycle
+    slack : drift and imbalance that do not matter, relative to the energy per cycle
+    fewest, most : cycles to run
+    fixed : average over the last two thirds of ``most`` cycles instead, whatever the series does
+    """
+
+    standard_error: float = 0.02
+    fewest: int = 30
+    most: int = 1000
+    fixed: bool = False
+    slack: float = 0.0
+
+
+@dataclass(frozen=True)
+class Spec:
+    """One case of a study.
+
+    Parameters
+    ----------
+    index : position in the study's axes
+    scene : Scene, with its drive
+    steps_per_cycle : int
+    bed : Request
+    """
+
+    index: tuple[int, ...]
+    scene: Scene
+    steps_per_cycle: int
+    bed: Request
+
+    @property
+    def dt(self) -> float:
+        """Step [s]."""
+        return 1 / (self.scene.drive.frequency * self.steps_per_cycle)
+
+    @property
+    def effects(self) -> Effects:
+        """What its kernels are compiled for."""
+        return self.bed.numerics.effects(self.scene, self.bed.grains)
+
+    @property
+    def forced_off(self) -> list[str]:
+        """Effects that the scene calls for and the user forced off."""
+        called = called_for(self.scene, self.bed.grains)
+        return [name for name, on in self.bed.numerics.forced if not on and getattr(called, name)]
+
+    def cost(self, criteria: Criteria) -> float:
+        """Particle-steps that it takes at the least."""
+        return self.steps_per_cycle * len(self.bed.grains) * criteria.fewest
+
+
+PAPER_SETTLING, PAPER_SHAKING = 0.2, 0.3
+"""Times of the paper's own recipe [s]; the last two thirds of the shaking are averaged."""
+
+
+PAPER_SETTLING, PAPER_SHAKING = 0.2, 0.3
+"""Times of the paper's own recipe [s]; the last two thirds of the shaking are averaged."""
+
+
+def paper_criteria(frequency: float) -> Criteria:
+    """The paper's recipe at a frequency: the whole cycles within 0.3 s, and at least six."""
+    cycles = max(6, math.floor(PAPER_SHAKING * frequency))
+    return Criteria(fewest=cycles, most=cycles, fixed=True)

@@ -1,0 +1,1 @@
+"""Batches of cases on the device: the only package that launches kernels."""

@@ -1,0 +1,64 @@
+"""The structures of a batch's cases, to the device and back."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import warp as wp
+
+from ..scene.scene import Mount
+from .device import DEVICE
+
+
+class Mounts:
+    """Collects the modes, forces and records of the cases of a batch."""
+
+    def __init__(self):
+        self.modes: list[dict[str, float]] = []
+        self.force: list[float] = []
+        self.records = 0
+
+    def add(self, mount: Mount | None, dt: float, most_records: int) -> dict:
+        """Fields of the device's Case for one case.
+
+        Parameters
+        ----------
+        mount : Mount or None
+            None: no modes, so that the enclosure rests.
+        dt : [s]
+        most_records : int
+        """
+        fields = {"first_mode": len(self.modes), "first_sample": len(self.force), "first_record": self.records}
+        if mount is None:
+            return fields | {"modes": 0, "force": 0.0, "samples": 0, "sample_step": dt, "record": 0, "records": 0}
+        for f, zeta, phi, q, v in zip(
+            mount.frequency, mount.damping, mount.amplitude, mount.position, mount.velocity, strict=True
+        ):
+            w = 2 * math.pi * f
+            self.modes.append({"stiffness": w**2, "damping": zeta * w, "amplitude": phi, "position": q, "velocity": v})
+        force = mount.force
+        samples = [] if force is None or force.samples is None else np.asarray(force.samples, float).tolist()
+        self.force += samples
+        self.records += most_records if mount.record else 0
+        return fields | {
+            "modes": len(mount.frequency),
+            "force": force.amplitude if force else 0.0,
+            "samples": len(samples),
+            "sample_step": force.sample_step if samples else dt,
+            "record": mount.record,
+            "records": most_records if mount.record else 0,
+        }
+
+    def on_device(self, types):
+        """The device's Mount of all cases."""
+        device = types.Mount()
+        device.count = len(self.modes)
+        if "modes" in types.Mount.vars:
+            modes = np.zeros(len(self.modes), dtype=types.Mode.numpy_dtype())
+            for name in modes.dtype.names:
+                modes[name] = [mode[name] for mode in self.modes]
+            device.modes = wp.array(modes, dtype=types.Mode, device=DEVICE)
+            device.force = wp.array(self.force or [0.0], dtype=types.real, device=DEVICE)
+            device.records = wp.full(max(1, self.records), wp.vec3d(math.nan), dtype=wp.vec3d, device=DEVICE)
+        return device

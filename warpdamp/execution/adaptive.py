@@ -1,0 +1,51 @@
+"""Which cases of a study are called for, as far as those that are finished tell.
+
+Without a tolerance all of them.  With one every point begins with a few packings and gets more of them until they tell
+its energy well enough.  The answer depends on finished cases only, not on when and where they ran: a
+study that was interrupted goes on as it would have.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..numerics.tolerance import PARTS, packings_called_for
+from ..sweep.plan import RUN
+
+if TYPE_CHECKING:
+    from ..sweep.plan import Plan
+    from .store import Finished
+
+_VALUES = (*PARTS, "maximum_energy")
+
+NEEDED = ("status", *_VALUES)
+"""What of the finished cases is looked at."""
+
+
+def called_for(plan: Plan, finished: Finished) -> np.ndarray:
+    """Numbers of the cases that the study needs, finished ones among them.
+
+    Where beds are carried on from one amplitude to the next, a packing called for at one of them is run at all.
+    """
+    numbers, accuracy = plan.to_run(), plan.cases.config.accuracy
+    if accuracy is None:
+        return numbers
+    values = _values(plan, finished)
+    called = np.zeros(len(plan.keys), bool)
+    for point in np.arange(len(plan.keys)).reshape(-1, plan.cases.shape[-1]):
+        own = point[plan.fate[point] == RUN]
+        called[own[: packings_called_for(*values[:, own], accuracy.tolerance)]] = True
+    return numbers[np.isin(plan.chain[numbers], plan.chain[called])]
+
+
+def _values(plan: Plan, finished: Finished) -> np.ndarray:
+    """(6, n) energies and what they are worth; NaN where a case is not finished, or failed."""
+    rows = finished.rows(plan.keys)
+    there = rows >= 0
+    values = np.full((len(_VALUES), len(rows)), np.nan)
+    for own, name in zip(values, _VALUES, strict=True):
+        if name in finished.values:
+            own[there] = finished.values[name][rows[there]]
+    return values

@@ -1,0 +1,91 @@
+"""What a worker does: shake a batch of cases and keep them; and how cases are put into batches."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..sweep.plan import Plan
+
+BATCH_COST = 1.5e8
+"""Particle-steps that make a batch where there are many: some ten seconds, beside which keeping its results costs
+nothing, and no more than a kill may take away."""
+
+MOST_CASES = 256
+"""To a batch: what they keep in memory stays small."""
+
+AHEAD = 2
+"""A batch is no more than one of so many shares of each worker in what is left: batches become smaller towards the end,
+so that all workers finish together."""
+
+SMALLEST_SHARE = 50
+"""And no less than one of so many shares of each worker in the whole."""
+
+SLOWEST = 3e-6
+"""Seconds that a particle-step may take (thirty times what is usual) before a worker is taken for hanging."""
+
+PATIENCE = 300.0
+"""Seconds that a batch may take in any case: kernels are compiled, and beds made, in them."""
+
+
+def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list[int]]]:
+    """Chains of the numbers of cases, in batches of one group each, the dearest first.
+
+    A chain of which any case is to be run is run whole; cases with one key are run once.
+    """
+    if not len(numbers):
+        return
+    heads = np.unique(plan.chain[numbers])
+    members = {}
+    for head, chain in _members(plan, heads).items():
+        members.setdefault(bytes(plan.keys[chain[-1]]), (head, chain))
+    members = dict(members.values())
+    costs = {head: float(plan.cost[chain].sum()) for head, chain in members.items()}
+    left = sum(costs.values())
+    smallest = left / (SMALLEST_SHARE * workers)
+    order = sorted(members, key=lambda head: (-costs[head], head))
+    open_batches: dict[int, tuple[list, float]] = {}
+    for head in order:
+        chain = members[head]
+        group = int(plan.group[head])
+        batch, cost = open_batches.pop(group, ([], 0.0))
+        batch.append(chain)
+        cost += costs[head]
+        left -= costs[head]
+        share = min(BATCH_COST, max((left + cost) / (AHEAD * workers), smallest))
+        if cost >= share or len(batch) >= MOST_CASES:
+            yield batch
+        else:
+            open_batches[group] = batch, cost
+    for batch, _ in open_batches.values():
+        yield batch
+
+
+def _members(plan: Plan, heads: np.ndarray) -> dict[int, list[int]]:
+    """Numbers of the cases of each chain, by rising amplitude."""
+    from ..sweep.plan import RUN
+
+    alone = np.bincount(plan.chain, minlength=len(plan.chain)) == 1
+    members = {int(head): [int(head)] for head in heads if alone[head]}
+    longer = {int(head): [] for head in heads if not alone[head]}
+    if longer:
+        for number in np.flatnonzero((plan.fate == RUN) & ~alone[plan.chain]):
+            if plan.chain[number] in longer:
+                longer[int(plan.chain[number])].append(int(number))
+        for chain in longer.values():
+            chain.sort(key=lambda number: (plan.cases.acceleration(number), number))
+    return members | longer
+
+
+def limit(plan: Plan, chains: list[list[int]]) -> float:
+    """Seconds after which a worker with these cases is taken for hanging."""
+    steps = 0.0
+    for chain in chains:
+        for number in chain:
+            criteria = plan.groups[plan.group[number]][1]
+            steps += plan.cost[number] * criteria.most / criteria.fewest
+    return PATIENCE + SLOWEST * steps if math.isfinite(steps) else math.inf

@@ -1,0 +1,127 @@
+"""What a worker does: shake a batch of cases and keep them."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ..status import FIRST_UNFINISHED, Status
+
+if TYPE_CHECKING:
+    from ..damper.case import Criteria, Request, Spec
+
+_alone = threading.Lock()
+"""A process runs one batch at a time: Dask may give a worker several threads, Warp's runtime serves one."""
+
+
+@dataclass(frozen=True)
+class Work:
+    """Chains of cases of equal effects and criteria, ready to be shaken.
+
+    Parameters
+    ----------
+    chains : list of chains of Spec
+    keys : keys of the cases, by their index
+    criteria : Criteria
+    """
+
+    chains: list[list[Spec]]
+    keys: dict[tuple[int, ...], bytes]
+    criteria: Criteria
+
+
+@dataclass
+class Outcome:
+    """What a worker tells of a batch; the results themselves are on disk.
+
+    Parameters
+    ----------
+    cases : how many
+    unfinished : those of them that could not be run
+    seconds : of wall time
+    cpu : of processor time, and what of it was spent in advancing cases [s]
+    said : log records (level, message)
+    """
+
+    cases: int = 0
+    unfinished: int = 0
+    seconds: float = 0.0
+    cpu: float = 0.0
+    advancing: float = 0.0
+    said: list[tuple[int, str]] = field(default_factory=list)
+
+
+def shake_and_keep(folder: str, work: Work) -> Outcome:
+    """Run a batch and keep it in a shard of the store in ``folder``.
+
+    Raises
+    ------
+    OSError
+        If results, beds or kernels cannot be kept, as on a full disk.
+    """
+    from .store import Store
+
+    with _alone, _listening() as said:
+        started, cpu = time.perf_counter(), time.process_time()
+        results = _values(work.chains, work.criteria)
+        Store(folder).write([(work.keys[index], values) for index, values in results])
+        failures = [value["message"] for _, value in results if value["status"] >= FIRST_UNFINISHED]
+        said += [(logging.WARNING, f"a case failed: {message}") for message in failures]
+        return Outcome(
+            cases=len(results),
+            unfinished=len(failures),
+            seconds=time.perf_counter() - started,
+            cpu=time.process_time() - cpu,
+            advancing=sum(value.get("cpu_time", 0.0) for _, value in results),
+            said=said,
+        )
+
+
+def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int, ...], dict]]:
+    """Results of chains; one that raises is a value with a message, and does not take others along."""
+    from ..damper.shake import shake
+
+    try:
+        return shake(chains, criteria)
+    except OSError:  # of the machine, not of a case
+        raise
+    except Exception as error:
+        if len(chains) == 1:
+            said = f"{type(error).__name__}: {error}"
+            return [(spec.index, {"status": int(Status.FAILED), "message": said}) for spec in chains[0]]
+    return [result for chain in chains for result in _values([chain], criteria)]
+
+
+def make_bed(request: Request) -> tuple[str, str] | None:
+    """Make a bed and keep it; if that cannot be, what to say, and the configuration's key to look at."""
+    from ..damper.preparation import prepare
+    from ..errors import PackingError
+
+    with _alone:
+        try:
+            prepare(request)
+        except PackingError as error:
+            return str(error), error.key
+        except OSError:
+            raise
+        except Exception as error:
+            return f"{type(error).__name__}: {error}", "damper"
+    return None
+
+
+class _listening(logging.Handler):
+    """Collects what warpdamp logs."""
+
+    def __enter__(self) -> list[tuple[int, str]]:
+        self.said: list[tuple[int, str]] = []
+        logging.getLogger("warpdamp").addHandler(self)
+        return self.said
+
+    def __exit__(self, *_):
+        logging.getLogger("warpdamp").removeHandler(self)
+
+    def emit(self, record):
+        self.said.append((record.levelno, record.getMessage()))

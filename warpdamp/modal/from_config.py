@@ -1,0 +1,179 @@
+"""Where a structure's modes come from: configuration -> Modes."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..config.build import material
+from ..config.structure import BeamConfig, BoxConfig, PointMassConfig
+from ..config.study import Config
+
+if TYPE_CHECKING:
+    from .beam import Beam, PointMass
+    from .modes import Modes
+    from .section import Section
+    from .solid import Clamp, StandingMass
+
+
+def modes(config: Config, *, particles: float) -> Modes:
+    """The configured modes of the structure carrying ``particles`` [kg].
+
+    Raises
+    ------
+    ConfigError
+        If they cannot be had, or if a mode does not exist or has a node at the damper.
+    """
+    structure = config.structure
+    with _placed(config, f"structure.{structure.source}"):
+        every = MAKERS[structure.source](config, particles)
+    with _placed(config, "structure.modes" if structure.modes else f"structure.{structure.source}"):
+        found = every.pick(structure.modes or every.number[~every.on_node])
+    if structure.inherent_damping is None:
+        return found
+    given = np.asarray(structure.inherent_damping, float)
+    if given.ndim and len(given) != len(found.number):
+        raise config.error("structure.inherent_damping", f"{len(given)} values for {len(found.number)} modes")
+    return replace(found, inherent_damping=np.broadcast_to(given, found.number.shape))
+
+
+@contextmanager
+def _placed(config: Config, key: str):
+    """What a structure's makers refuse is an error of the configuration at ``key``."""
+    try:
+        yield
+    except (ValueError, OSError, ImportError) as error:
+        raise config.error(key, str(error)) from None
+
+
+def beam(config: Config) -> tuple[Beam, PointMass]:
+    """The configured beam, and the empty damper on it."""
+    from .beam import Beam
+
+    structure = config.structure
+    own = structure.beam
+    return Beam(
+        length=own.length,
+        section=_section(config, own),
+        material=material(config, own.material),
+        supports=own.supports,
+        bends=own.bends,
+        masses=tuple(_point_mass(mass) for mass in structure.other_masses),
+    ), _point_mass(structure.point_mass)
+
+
+def _beam_modes(config: Config, particles: float) -> Modes:
+    from .beam import beam_modes
+
+    own, damper = beam(config)
+    return beam_modes(own, damper.loaded(particles), highest=max(config.structure.modes))
+
+
+def _section(config: Config, own: BeamConfig) -> Section:
+    from .section import Circle, MeshedSection, Rectangle, Tube
+
+    if own.section:
+        return MeshedSection(_file(config, own.section.file), own.section.unit)
+    if own.wall:
+        return Tube(own.diameter, own.wall)
+    return Circle(own.diameter) if own.diameter else Rectangle(own.width, own.thickness)
+
+
+def _point_mass(mass: PointMassConfig) -> PointMass:
+    from .beam import PointMass
+
+    position = mass.position[0] if isinstance(mass.position, list) else mass.position
+    return PointMass(mass.mass, position, mass.rotary_inertia)
+
+
+def _plate_modes(config: Config, particles: float) -> Modes:
+    from .solid import Plate, plate_modes
+
+    own = config.structure.plate
+    plate = Plate(own.length, own.width, own.thickness, material(config, own.material), own.edges)
+    damper, *others = _standing_masses(config)
+    return plate_modes(plate, damper.loaded(particles), others, highest=max(config.structure.modes))
+
+
+def _mesh_modes(config: Config, particles: float) -> Modes:
+    from .solid import MeshedSolid, solid_modes
+
+    own = config.structure.mesh
+    solid = MeshedSolid(
+        file=_file(config, own.file),
+        material=material(config, own.material),
+        clamps=tuple(_clamp(clamp) for clamp in own.clamped),
+        unit=own.unit,
+        direction=_direction(own.direction),
+    )
+    damper, *others = _standing_masses(config)
+    return solid_modes(solid, damper.loaded(particles), others, highest=max(config.structure.modes))
+
+
+def _clamp(clamp: str | BoxConfig) -> Clamp:
+    from .solid import Clamp
+
+    if isinstance(clamp, str):
+        return Clamp(boundary=clamp)
+    limits = (clamp.x, clamp.y, clamp.z)
+    return Clamp(box=tuple(tuple(x) if isinstance(x, list) else x if x is None else (x, x) for x in limits))
+
+
+def _standing_masses(config: Config) -> list[StandingMass]:
+    from .solid import StandingMass
+
+    masses = (config.structure.point_mass, *config.structure.other_masses)
+    return [StandingMass(mass.mass, tuple(mass.position), mass.footprint) for mass in masses]
+
+
+def _mode_file(config: Config, particles: float) -> Modes:
+    from .mode_csv import read_csv
+    from .mode_uff import SUFFIXES, read_uff
+
+    own = config.structure.mode_file
+    file = _file(config, own.file)
+    if file.suffix.lower() in SUFFIXES:
+        every = read_uff(file, modal_mass=own.modal_mass, units=own.units)
+    elif file.suffix.lower() == ".csv":
+        every = read_csv(file, modal_mass=own.modal_mass)
+    else:
+        raise ValueError(f"{file}: modes are read from .csv or {', '.join(SUFFIXES)}")
+    direction = _direction(own.direction)
+    seen = every.at(own.position, direction) if own.node is None else every.at_label(own.node, direction)
+    return seen if config.structure.particles_included else seen.with_mass(particles)
+
+
+def _modes_given(config: Config, particles: float) -> Modes:
+    from .modes import Modes
+
+    given = config.structure.modes_given
+    alone = Modes(
+        number=np.array([mode.number or k for k, mode in enumerate(given, 1)]),
+        frequency=np.array([mode.frequency for mode in given]),
+        point=np.zeros((1, 3)),
+        shape=np.array([[[0.0, 0.0, mode.phi]] for mode in given]),
+        inherent_damping=np.array([mode.damping for mode in given]),
+    )
+    return alone if config.structure.particles_included else alone.with_mass(particles)
+
+
+MAKERS = {
+    "beam": _beam_modes,
+    "plate": _plate_modes,
+    "mesh": _mesh_modes,
+    "mode_file": _mode_file,
+    "modes_given": _modes_given,
+}
+
+
+def _direction(direction) -> tuple[float, float, float]:
+    return tuple(np.eye(3)["xyz".index(direction)] if isinstance(direction, str) else map(float, direction))
+
+
+def _file(config: Config, name: str) -> Path:
+    """A file that a configuration names, beside it unless its path is absolute."""
+    return config.folder / name

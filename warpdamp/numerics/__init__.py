@@ -1,0 +1,1 @@
+"""How finely, how long and how surely a case is computed."""

@@ -1,0 +1,142 @@
+"""The step: from the shortest contact expected, and a whole number of steps to a cycle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scene.contact import contact_constants, dashpot
+from ..scene.effects import Effects, Precision, called_for
+from ..scene.particles import State
+from ..scene.scene import Scene
+
+STEPS_PER_CONTACT = 24
+"""A bed's ledger then closes to half a percent (docs/acceptance.md)."""
+
+FEWEST_STEPS_PER_CONTACT = 10
+"""Below this a contact is not resolved and a forced step is refused."""
+
+STEPS_PER_DASHPOT = 45
+"""Dashpots of strength b (see ``law.dashpot``) take this times b steps a contact: they act on predicted velocities, and
+with fewer a bed of restitution 0.2 and below feeds on them."""
+
+FEWEST_STEPS_PER_CYCLE = 50
+"""So that the drive's own motion is followed to 0.1 %."""
+
+HERTZ_DURATION = 2.943275
+"""tc v / d_max of an elastic Hertz contact, (4/5) sqrt(pi) Gamma(2/5) / Gamma(9/10)."""
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """How a scene is simulated.
+
+    Parameters
+    ----------
+    precision : of the motion
+    steps_per_contact : steps to the shortest contact expected
+    forced : effects forced on or off, as sorted pairs (name, whether)
+    """
+
+    precision: Precision = "float64"
+    steps_per_contact: float = STEPS_PER_CONTACT
+    forced: tuple[tuple[str, bool], ...] = ()
+
+    def effects(self, scene: Scene, grains) -> Effects:
+        """What the scene calls for, and what is forced."""
+        return called_for(scene, grains, precision=self.precision).forced(dict(self.forced))
+
+
+def contact_time(modulus: float, radius: float, mass: float, speed: float) -> float:
+    """Duration [s] of an elastic Hertz impact: tc = 2.943 d_max / v, d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)."""
+    overlap = (15 * mass * speed**2 / (16 * modulus * math.sqrt(radius))) ** 0.4
+    return HERTZ_DURATION * overlap / speed
+
+
+def expected_speed(scene: Scene, radius) -> float:
+    """Fastest relative impact to be expected [m/s].
+
+    Twice the enclosure's peak speed (a particle thrown back by a wall moving at full speed, met by another at rest),
+    and what a fall through the free height of the cavity adds.
+    """
+    driven = 2 * scene.drive.speed if scene.drive else 2 * scene.mount.speed if scene.mount else 0.0
+    if scene.enclosure is None:
+        return driven
+    fill = np.sum(4 / 3 * np.pi * np.asarray(radius) ** 3) / scene.enclosure.volume
+    free_height = scene.enclosure.height * max(0.05, 1 - fill / 0.64)
+    return driven + math.sqrt(2 * float(np.linalg.norm(scene.gravity)) * free_height)
+
+
+def shortest_contact(scene: Scene, grains, speed: float) -> float:
+    """Shortest contact time [s] at a relative ``speed``, of any two particles, or of one and the wall.
+
+    Parameters
+    ----------
+    grains : anything with ``radius`` and ``species``, as a State
+    """
+    radius, species = np.asarray(grains.radius), np.asarray(grains.species)
+    times = []
+    smallest = {k: float(np.min(radius[species == k])) for k in set(species.tolist())}
+    for i, a in smallest.items():
+        one, mass = scene.materials[i], float(scene.mass(a, i))
+        for j, b in smallest.items():
+            modulus = contact_constants(one, scene.materials[j], scene.pair_surface(i, j))["modulus"]
+            other = float(scene.mass(b, j))
+            times.append(contact_time(modulus, a * b / (a + b), mass * other / (mass + other), speed))
+        if scene.enclosure:
+            modulus = contact_constants(one, scene.wall, scene.wall_surface(i))["modulus"]
+            times.append(contact_time(modulus, a, mass, speed))
+    return min(times)
+
+
+def longest_step(scene: Scene, grains, speed: float, *, steps_per_contact: float) -> float:
+    """Largest step [s] that resolves the shortest contact at ``speed``, and the dashpots."""
+    strength = max(dashpot(surface.restitution) for surface in scene.surfaces())
+    return shortest_contact(scene, grains, speed) / max(steps_per_contact, STEPS_PER_DASHPOT * strength)
+
+
+def contact_step(scene: Scene, grains, *, steps_per_contact: float = STEPS_PER_CONTACT) -> float:
+    """Largest step [s] for the fastest impact expected.
+
+    Raises
+    ------
+    ValueError
+        If nothing moves and nothing makes it move: then no step can be told.
+    """
+    speed = expected_speed(scene, grains.radius)
+    if speed == 0:
+        raise ValueError("without gravity and without a drive nothing moves: give the scene one of them, or a step")
+    return longest_step(scene, grains, speed, steps_per_contact=steps_per_contact)
+
+
+def steps_per_cycle(scene: Scene, grains, *, steps_per_contact: float = STEPS_PER_CONTACT) -> int:
+    """Smallest whole number of steps a cycle that are no longer than ``contact_step``, at least fifty."""
+    dt = contact_step(scene, grains, steps_per_contact=steps_per_contact)
+    return max(FEWEST_STEPS_PER_CYCLE, math.ceil(1 / (scene.drive.frequency * dt)))
+
+
+def check_step(scene: Scene, state: State, dt: float) -> None:
+    """Refuse a step that does not resolve the fastest contact expected from a given state.
+
+    Raises
+    ------
+    ValueError
+        Names the contact time and the largest step allowed.
+    """
+    if not dt > 0:
+        raise ValueError(f"the step must be positive, got {dt:g} s")
+    if scene.enclosure is None and len(state) == 1:
+        return  # nothing to meet
+    moving = 2 * float(np.max(np.linalg.norm(state.velocity, axis=1), initial=0.0))
+    speed = max(moving, expected_speed(scene, state.radius))
+    if speed == 0:
+        return  # nothing moves, and nothing makes it move
+    longest = longest_step(scene, state, speed, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
+    if dt > longest:
+        shortest = shortest_contact(scene, state, speed)
+        raise ValueError(
+            f"a step of {dt:.3g} s does not resolve the shortest contact expected, {shortest:.3g} s at "
+            f"{speed:.3g} m/s: take at most {longest:.2g} s"
+        )

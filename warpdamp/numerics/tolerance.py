@@ -1,0 +1,196 @@
+"""Accuracy bought by tolerance: the step, the length and the packings that an error asked for takes.
+
+The tolerance is the standard error of the energy per cycle, all parts together: step, averaging, packing.  The step
+is chosen beforehand, so that its error is a third of the tolerance at most; each case then runs until its own standard
+error is what is left, and a point that its packings do not agree on well enough gets more of them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .timestep import FEWEST_STEPS_PER_CONTACT
+
+if TYPE_CHECKING:
+    pass
+
+
+STEP_ERROR = 0.005
+"""Relative error of the energy per cycle that a study reckons with at 24 steps a contact; of second order.  Six points
+together show 0.05 %, single ones as much as chance allows to see (docs/accuracy.md)."""
+
+STEP_SHARE = 1 / 3
+"""Largest part of the tolerance that is left to the step."""
+
+SLACK = 0.5
+"""Part of the tolerance that a case may still drift by, or be out of balance by, and end: less than what it claims for
+its bed's state."""
+
+RESIDUAL_FACTOR = 2.5
+"""What a case reckons its step error to be, over the ledger's residual.  Six points together show 0.3; upper bounds of
+single ones, in which chance is the most, reach 4.6 (docs/accuracy.md)."""
+
+LOOSE_MEMORY, TIGHT_MEMORY = 0.035, 0.08
+"""Relative standard error of what one bed says, however well its cycles are averaged: a bed stays in one of many states
+for hundreds to thousands of cycles, and what a state dissipates differs.  Root mean squares over 159 and 75 cases of
+beds 3.6 to 5.4 spheres across, draws 20, 2026 and 3 of scripts/coverage.py; packings average it out."""
+
+TIGHT_FILL = 0.5
+"""Part of the cavity that particles fill from which a bed counts as tight: 0.42-0.48 and 0.519 were measured."""
+
+SMALLEST_EFFECTIVENESS = 1e-3
+"""Energies below this part of the ideal damper's count as nothing: no error is relative to less."""
+
+FINEST = 120.0
+FEWEST_PACKINGS = 3
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a tolerance takes before anything runs.
+
+    Parameters
+    ----------
+    steps_per_contact : float
+    standard_error : of the average over the cycles of one case, relative
+    slack : drift, and difference of work and dissipation, that is not waited for, relative
+    """
+
+    steps_per_contact: float
+    standard_error: float
+    slack: float
+
+
+def step_error(steps_per_contact: float) -> float:
+    """Relative error of the energy per cycle that a study reckons with for a step."""
+    return STEP_ERROR * (24 / steps_per_contact) ** 2
+
+
+def plan(tolerance: float) -> Plan:
+    """Step and length for a tolerance.
+
+    Parameters
+    ----------
+    tolerance : relative standard error of the energy per cycle
+    """
+    wanted = 24 * math.sqrt(STEP_ERROR / (STEP_SHARE * tolerance))
+    steps = min(max(wanted, FEWEST_STEPS_PER_CONTACT), FINEST)
+    left = math.sqrt(max(tolerance**2 - step_error(steps) ** 2, (0.5 * tolerance) ** 2))
+    return Plan(steps, left, SLACK * tolerance)
+
+
+def packings_called_for(energies, errors, degrees, memories, steps, largest, tolerance: float) -> int:
+    """How many of a point's packings it takes, as far as those that ran tell.
+
+    A few; then at once as many as their own errors would take if all agreed, so that their beds are made side by side;
+    then one more at a time while they disagree.
+
+    Parameters
+    ----------
+    energies, errors, degrees, memories, steps : (n,) energy per cycle, its standard error, that one's degrees of
+        freedom, and the errors by the bed's state and by the step, of every packing that there may be; NaN where it has
+        not run, or failed: more of what failed does not help
+    largest : (n,) energy of the ideal damper [J]
+    tolerance : relative
+    """
+    n = min(FEWEST_PACKINGS, len(energies))
+    while n < len(energies) and np.isfinite(energies[:n]).all():
+        answer = combined(energies[:n], errors[:n], degrees[:n], memories[:n], steps[:n])
+        limit = allowed(tolerance, answer.mean, largest[0])
+        if answer.total_error <= limit or answer.step_error >= limit:  # more packings do not mend a step
+            break
+        own = np.mean(errors[:n] ** 2 + memories[:n] ** 2) / (limit**2 - answer.step_error**2)
+        n = min(max(n + 1, math.ceil(own)), len(energies))
+    return n
+
+
+def allowed(tolerance: float, mean, largest):
+    """Standard error that a tolerance allows a mean, of which the ideal damper's would be ``largest``."""
+    return np.maximum(tolerance * mean, SMALLEST_EFFECTIVENESS * largest)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Means over packings and what they are worth, each an array over points.
+
+    Parameters
+    ----------
+    mean : in the unit of the values
+    standard_error : of the mean: by the packings' spread, never below what their own errors and memories give
+    step_error : of the mean; packings share it, so that it does not average out
+    interval : half-width of the 95 % interval: Student's t with the degrees of freedom of the larger statistical part,
+        and twice the step's error
+    packings : how many
+    """
+
+    mean: np.ndarray
+    standard_error: np.ndarray
+    step_error: np.ndarray
+    interval: np.ndarray
+    packings: np.ndarray
+
+    @property
+    def total_error(self) -> np.ndarray:
+        """Standard error, all parts together: what is held against a tolerance."""
+        return np.hypot(self.standard_error, self.step_error)
+
+
+PARTS = (
+    "energy_dissipated",
+    "energy_dissipated_standard_error",
+    "degrees_of_freedom",
+    "memory_error",
+    "discretisation_error",
+)
+"""Variables of a case that ``combined`` and ``packings_called_for`` begin with, in their order."""
+
+
+def combined(means, errors, degrees, memories=0.0, steps=0.0, ran=True) -> Answer:
+    """Combine packings.
+
+    Parameters
+    ----------
+    means, errors : (..., n) mean of each packing, and the standard error of its average over cycles
+    degrees : (..., n) degrees of freedom of each error
+    memories : (..., n) standard error of each by the state that its bed is in
+    steps : (..., n) error of the step of each
+    ran : (..., n) which of them there are
+    """
+    given = (means, errors, degrees, memories, steps, ran)
+    means, errors, degrees, memories, steps, ran = np.broadcast_arrays(*(np.asarray(a) for a in given))
+
+    def total(values):
+        return np.sum(np.where(ran, values, 0.0), axis=-1)
+
+    n = ran.sum(axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = total(means) / n
+        within = np.sqrt(total(errors**2 + memories**2)) / n
+        between = np.where(n > 1, np.sqrt(total((means - mean[..., None]) ** 2) / ((n - 1) * n)), 0.0)
+        step = total(steps) / n
+        own = total(errors**2 + memories**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
+    own = np.where(within > 0, own, math.inf)
+    error = np.maximum(within, between)
+    interval = np.hypot(error * student(np.where(between > within, n - 1.0, own)), 2 * step)
+    return Answer(mean, error, step, interval, n)
+
+
+def bed_memory(fill: float) -> float:
+    """Relative standard error of what one bed says that no averaging over its cycles mends, by the cavity's fill."""
+    return TIGHT_MEMORY if fill >= TIGHT_FILL else LOOSE_MEMORY
+
+
+def single_interval(error: float, degrees: float, memory: float) -> float:
+    """Half-width of the 95 % interval of what one bed says: of its average over cycles, and for its state."""
+    return float(np.hypot(error * student(degrees), memory * student(math.inf)))
+
+
+def student(degrees):
+    """Half-width of the 95 % interval over the standard error."""
+    from scipy.special import stdtrit
+
+    return stdtrit(np.clip(degrees, 1.0, 1e6), 0.975)

@@ -1,0 +1,191 @@
+"""What a person reads in the terminal after a run."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..analysis.optimum import peaks
+from ..analysis.results import over_seeds
+from ..damper.case import MOST_BLOCKS
+from ..status import Status
+from ..variables import NOT_RUN
+from .figures import panels, shown
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from rich.table import Table
+
+
+def modes_table(modes) -> Table:
+    """Number, frequency, shape at the damper, modal mass and, where there is any, inherent damping of each mode."""
+    damped = int(np.any(modes.inherent_damping > 0))
+    table = _table("mode", "f [Hz]", "phi [kg^-½]", "modal mass [kg]", *["inherent damping"] * damped)
+    for number, frequency, amplitude, mass, damping in zip(
+        modes.number, modes.frequency, modes.amplitude, modes.modal_mass, modes.inherent_damping, strict=True
+    ):
+        own = [f"{100 * damping:.3g} %"] * damped
+        table.add_row(f"{number}", f"{frequency:.2f}", f"{amplitude:.4f}", f"{mass:.4f}", *own)
+    return table
+
+
+MOST_ROWS = 40
+
+
+def summary(dataset: xr.Dataset) -> Table:
+    """Per mode or frequency, and swept value: f, phi and the peaks of the curve; without curves, the best cases."""
+    if "gamma" not in dataset.dims or "effectiveness" not in dataset:
+        return _best(dataset)
+    modal = "damping_ratio" in dataset
+    if modal:
+        value, error, lines = dataset["damping_ratio"], dataset["damping_ratio_standard_error"], "mode"
+    else:
+        (value, error), lines = over_seeds(dataset, "effectiveness"), "frequency"
+    status = dataset["status"].max("seed") if "seed" in dataset["status"].dims else dataset["status"]
+    outer = [dim for dim in (lines, *value.dims) if dim in value.dims and dim != "gamma"]
+    outer = list(dict.fromkeys(outer))
+    swept = [dim for dim in outer if dim != lines]
+    head = ("mode", "f [Hz]", "phi [kg^-½]") if modal else ("f [Hz]",) * (lines in outer)
+    table = _table(*head, *swept, "peaks of the damping ratio" if modal else "peaks of the effectiveness")
+    for at in panels(value, outer, MOST_ROWS):
+        found = peaks(dataset["gamma"], value.isel(at), error.isel(at))
+        case = status.isel({"frequency" if name == "mode" else name: k for name, k in at.items()})
+        text = ", ".join(_peak(p, dataset["gamma"].values, case.sel(gamma=p.gamma)) for p in found)
+        own = {name: shown(value[name].values[k]) for name, k in at.items() if name != lines}
+        table.add_row(*_line_head(dataset, at), *own.values(), text or "-")
+    if math.prod(value.sizes[dim] for dim in outer) > MOST_ROWS:
+        table.caption = f"{MOST_ROWS} of {math.prod(value.sizes[dim] for dim in outer)} lines"
+    return table
+
+
+def _best(dataset: xr.Dataset) -> Table:
+    """The ten cases of the highest effectiveness."""
+    names = [str(name) for name in dataset.coords if name != "preparation" or dataset[name].ndim]
+    table = _table(*names, "effectiveness")
+    if "effectiveness" in dataset:
+        value = dataset["effectiveness"]
+        flat = value.stack(point=value.dims, create_index=False)
+        for k in np.argsort(-flat.values)[:10]:
+            if np.isfinite(flat.values[k]):
+                own = {name: dataset[name] for name in names}
+                at = {d: int(i) for d, i in zip(value.dims, np.unravel_index(k, value.shape), strict=True)}
+                cells = (shown(c.isel({d: i for d, i in at.items() if d in c.dims}).values) for c in own.values())
+                table.add_row(*cells, f"{flat.values[k]:.4g}")
+    return table
+
+
+def _peak(peak, gammas, status) -> str:
+    """A peak in words; what may hide a higher one is said."""
+    notes = []
+    if peak.gamma in (gammas[0], gammas[-1]):
+        notes.append("the edge of what was run")
+    if status > 0:
+        notes.append(Status(int(status)).name.lower().replace("_", " "))
+    return f"{peak.height:.4g} ± {peak.standard_error:.1g} at Γ {peak.gamma:g}" + (
+        f" ({', '.join(notes)})" if notes else ""
+    )
+
+
+def _line_head(dataset, at):
+    if "mode" in at:
+        own = dataset[["natural_frequency", "mode_amplitude"]]
+        own = own.isel({name: k for name, k in at.items() if name in own.dims})
+        mode = int(dataset["mode"][at["mode"]])
+        return f"{mode}", f"{float(own['natural_frequency']):.2f}", f"{float(own['mode_amplitude']):.4f}"
+    return (f"{float(dataset['frequency'][at['frequency']]):.2f}",) if "frequency" in at else ()
+
+
+def fits_table(fitted: xr.Dataset) -> Table:
+    """Per mode: frequency and damping ratio by every method, with standard errors; over several Gammas without."""
+    several = "gamma" in fitted.dims
+    methods = [str(name) for name in fitted["fit"].values]
+    table = _table("mode", *(["Γ"] if several else []), "f [Hz]", *methods)
+    table.title = "natural frequency by least squares; damping ratio [%] by method"
+    for mode, gamma in itertools.product(fitted["mode"].values, fitted["gamma"].values if several else [None]):
+        at = fitted.sel(mode=mode) if gamma is None else fitted.sel(mode=mode, gamma=gamma)
+        rows = [at.sel(fit=name) for name in methods]
+        best = rows[-1]
+        values = [(best["fitted_frequency"], best["fitted_frequency_standard_error"])]
+        values += [(100 * r["fitted_damping_ratio"], 100 * r["fitted_damping_ratio_standard_error"]) for r in rows]
+        cells = [_value(value, np.nan if several else error) for value, error in values]
+        table.add_row(f"{mode}", *([f"{gamma:g}"] if several else []), *cells)
+    return table
+
+
+def accuracy_table(runs: xr.Dataset) -> Table:
+    """Of an accuracy study: the cheapest settings for 10, 5, 2 and 1 %, and what they cost, at every point."""
+    from ..analysis.accuracy import chance, cheapest, step_errors, systematic
+
+    tolerances = (0.1, 0.05, 0.02, 0.01)
+    table = _table("point", *(f"{100 * t:g} %" for t in tolerances))
+    errors = systematic(runs)
+    for p in range(runs.sizes["point"]):
+        own = chance(runs["effectiveness"].isel(point=p).sel(variation="steps_per_contact=24").values)
+        steps = step_errors(errors.isel(point=p))
+        cells = []
+        for tolerance in tolerances:
+            best = cheapest(steps, own, tolerance)
+            cells.append(
+                "not reached"
+                if best is None
+                else f"{best[0]:g} steps, {best[1]} packings x {best[2]} cycles: {best[3]:.2g} core-s"
+            )
+        table.add_row(f"{float(runs['frequency'][p]):.4g} Hz, Γ {float(runs['gamma'][p]):g}", *cells)
+    return table
+
+
+def _value(value, error) -> str:
+    """A number, with its standard error where there is one."""
+    if np.isnan(value):
+        return "-"
+    return f"{float(value):.5g}" + (f" ± {float(error):.1g}" if np.isfinite(error) else "")
+
+
+def verdicts(dataset: xr.Dataset) -> list[str]:
+    """How the cases ended, worst first, in sentences; and how well the ledger closed."""
+    status = dataset["status"].values
+    ran = np.sum(status != NOT_RUN)
+    ends = [s for s in reversed(Status) if s != NOT_RUN and np.any(status == s)]
+    lines = [f"{np.sum(status == s)} of {ran} cases: {s.meaning}" for s in ends]
+    if "within_tolerance" in dataset:
+        within = dataset["within_tolerance"].values
+        lines.append(
+            f"{np.sum(within == 1)} of {np.sum(within != NOT_RUN)} points are within the tolerance, "
+            f"with {_packings(dataset)}"
+        )
+    elif ran < status.size:
+        lines.append(f"{status.size - ran} of {status.size} cases: {Status.NOT_RUN.meaning}")
+    if "message" in dataset:
+        said = sorted({text for text in dataset["message"].values.ravel() if text})
+        lines += [f"  {text}" for text in said[:5]] + (
+            [f"  and {len(said) - 5} other messages"] if len(said) > 5 else []
+        )
+    if "ledger_residual" not in dataset:
+        return lines
+    stopped = dataset["compaction_blocks"] >= MOST_BLOCKS
+    if stopped.any():
+        of_drive = [dim for dim in ("frequency", "gamma") if dim in stopped.dims]
+        lines.append(f"{int(stopped.any(of_drive).sum())} beds were still compacting when their preparation ended")
+    residual = dataset["ledger_residual"].values
+    if np.isfinite(residual).any():
+        lines.append(f"energy ledger: residual at most {100 * np.nanmax(residual):.2g} % of the dissipation")
+    return lines
+
+
+def _packings(dataset: xr.Dataset) -> str:
+    fewest, most = int(dataset["packings"].min()), int(dataset["packings"].max())
+    return f"{fewest} packings each" if fewest == most else f"{fewest} to {most} packings each"
+
+
+def _table(*columns) -> Table:
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD)
+    for column in columns:
+        table.add_column(escape(column))
+    return table

@@ -1,0 +1,153 @@
+"""What a particle-step costs on this machine, by effects: measured, kept on disk, and read by ``explain``."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from ..damper.case import Request
+from ..damper.preparation import cache_folder, prepare
+from ..engine.batch import Batch, Case
+from ..files import whole_file
+from ..scene.effects import Effects
+from ..scene.particles import Grains, State
+from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
+from ..version import PHYSICS_VERSION
+
+RADIUS, COUNT = 3.73e-3, 120
+FREQUENCY, GAMMA = 46.0, 6.0
+STEPS_PER_CYCLE = 10_870
+"""The paper's damper near its first mode, at the paper's step of 2 us."""
+
+STILL = 1e-18
+"""A step [s] so short that contacts stay as they are."""
+
+TOGGLES: dict[str, dict] = {
+    "friction": {"friction": False, "rotation": False},
+    "rotation": {"rotation": False},
+    "dashpots": {"dashpots": False},
+    "rolling": {"rolling": False},
+    "gravity": {"gravity": False},
+    "side": {"side": False},
+    "floor": {"floor": False},
+    "lid": {"lid": False},
+    "sizes": {"sizes": False},
+    "materials": {"materials": False},
+    "channels": {"channels": False},
+    "indicators": {"indicators": False},
+    "guards": {"guards": False},
+    "precision": {"precision": "float32"},
+}
+"""What the effects become when one of them is off (precision: float32 instead of float64)."""
+
+SIMPLEST = Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False, indicators=False)
+"""The simplest law in a closed cavity: frictionless, elastic, no gravity, losses in total, nothing else recorded."""
+
+
+def without(effects: Effects, name: str) -> Effects:
+    """The same with one effect off."""
+    return replace(effects, **TOGGLES[name])
+
+
+def within(effects: Effects, name: str) -> Effects:
+    """The same with one effect on."""
+    return replace(
+        effects, **{key: getattr(Effects(rolling=True, sizes=True, materials=True), key) for key in TOGGLES[name]}
+    )
+
+
+def paper_scene(gamma: float = GAMMA) -> Scene:
+    """The paper's damper, shaken at ``FREQUENCY``."""
+    pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    drive = Drive(FREQUENCY, gamma * STANDARD_GRAVITY)
+    return Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04), drive=drive)
+
+
+def jammed_bed() -> tuple[Scene, State]:
+    """The paper's bed pressed against the floor, a quarter cycle into its fifth at Gamma 1."""
+    scene = paper_scene(1.0)
+    loose = prepare(Request(scene, Grains.alike(RADIUS, COUNT), 1, "loose")).state
+    batch = Batch([Case(scene, loose, 1 / FREQUENCY / STEPS_PER_CYCLE)])
+    batch.advance(4 * STEPS_PER_CYCLE + 3 * STEPS_PER_CYCLE // 4)
+    return scene, batch.read()[0][0]
+
+
+def frozen(every: list[Effects], *, bed=None, rounds: int = 9, steps: int = 4000) -> dict[Effects, list[float]]:
+    """Nanoseconds of processor time per particle-step on one frozen set of contacts, the effects in turn."""
+    scene, state = bed or jammed_bed()
+    batches = [Batch([Case(scene.driven(None), state, STILL)], effects=effects) for effects in every]
+    return _alternating(every, batches, rounds, steps)
+
+
+def moving(every: list[Effects], *, rounds: int = 9) -> dict[Effects, list[float]]:
+    """The same in the paper's scene at Gamma 6, a cycle a round; each set of effects moves its bed its own way."""
+    scene = paper_scene()
+    loose = prepare(Request(scene, Grains.alike(RADIUS, COUNT), 1, "loose")).state
+    case = Case(scene, loose, 1 / FREQUENCY / STEPS_PER_CYCLE)
+    batches = [Batch([case], max_rows=rounds + 4, effects=effects) for effects in every]
+    for batch in batches:
+        batch.advance(STEPS_PER_CYCLE)
+    return _alternating(every, batches, rounds, STEPS_PER_CYCLE)
+
+
+def _alternating(every, batches, rounds: int, steps: int) -> dict[Effects, list[float]]:
+    for batch in batches:
+        batch.advance(batch.steps + 2)  # compiles
+    spent: dict[Effects, list[float]] = {effects: [] for effects in every}
+    for _ in range(rounds):
+        for effects, batch in zip(every, batches, strict=True):
+            started = time.process_time()
+            batch.advance(batch.steps + steps)
+            spent[effects].append((time.process_time() - started) / steps / COUNT * 1e9)
+    return spent
+
+
+def _file() -> Path:
+    return cache_folder().parent / "speed.json"
+
+
+def _machine() -> str:
+    return f"{platform.node()} {platform.machine()} {os.cpu_count()} physics {PHYSICS_VERSION}"
+
+
+def remember(measured: Callable, spent: dict[Effects, list[float]]) -> None:
+    """Keep the medians of what was ``measured``, ``frozen`` or ``moving``, for ``explain``."""
+    kept = _kept() | {_key(measured, effects): statistics.median(times) for effects, times in spent.items()}
+    path = _file()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    told = {"machine": _machine(), "date": f"{time.strftime('%Y-%m-%d')}", "nanoseconds": kept}
+    with whole_file(path) as part:
+        part.write_text(json.dumps(told))
+
+
+def recall(measured: Callable, effects: Effects) -> float | None:
+    """Nanoseconds per particle-step as last ``measured`` on this machine; None if never."""
+    return _kept().get(_key(measured, effects))
+
+
+def _key(measured: Callable, effects: Effects) -> str:
+    return " ".join([measured.__name__, *(f"{name}={value}" for name, value in asdict(effects).items())])
+
+
+def _kept() -> dict[str, float]:
+    try:
+        stored = json.loads(_file().read_text())
+    except (FileNotFoundError, json.JSONDecodeError):
+        return {}
+    return stored["nanoseconds"] if stored["machine"] == _machine() else {}
+
+
+def measure_study(config) -> None:
+    """Measure what the cases of a study cost, and what each of their effects does."""
+    from ..sweep.cases import Cases
+    from ..sweep.plan import plan
+
+    own = {effects for effects, _ in plan(Cases(config)).groups}
+    remember(moving, moving(list(own)))
+    remember(frozen, frozen(list(own | {without(effects, name) for effects in own for name in TOGGLES})))

@@ -1,0 +1,254 @@
+"""What a study will simulate, why, and what it will take: told before anything runs."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..config.build import grains
+from ..config.study import Config
+from ..scene.effects import Effects, called_for
+from ..scene.scene import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from ..damper.case import Spec
+    from ..sweep.plan import Plan
+
+CALLS_FOR = {
+    "friction": ("contact.friction", "contact.walls.friction"),
+    "rotation": ("contact.friction", "contact.walls.friction"),
+    "dashpots": ("contact.restitution", "contact.walls.restitution"),
+    "rolling": ("contact.rolling_friction", "contact.walls.rolling_friction"),
+    "gravity": ("excitation.gravity",),
+    "side": ("damper.enclosure.side", "damper.enclosure"),
+    "floor": ("damper.enclosure.floor", "damper.enclosure"),
+    "lid": ("damper.enclosure.lid", "damper.enclosure"),
+    "sizes": ("damper.particles",),
+    "materials": ("damper.particles",),
+    "channels": ("effects.ledger",),
+    "indicators": ("effects.indicators", "excitation.gamma"),
+}
+"""Keys of the configuration that call for an effect."""
+
+NOT_MODELLED = (
+    "the structure's answer to the damper (the enclosure's motion is prescribed)",
+    "air, cohesion, liquid bridges, electrostatic charge",
+    "wear, breakage, plastic flow and heating of the particles",
+    "particles that are no spheres; friction against spinning about the normal",
+    "flexibility of the enclosure's walls",
+)
+
+PROCESS_MEMORY = 0.3e9
+"""Of a worker process before any case, bytes: 236 to 251 MB were measured, rounded up."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """An effect: whether it is simulated, the line that calls for it, and what it costs.
+
+    Parameters
+    ----------
+    name : str
+    on : bool
+    why : str
+    cost : float or None
+        Nanoseconds per particle-step beside all others that are on, on the same contacts, as last measured on this
+        machine.
+    """
+
+    name: str
+    on: bool
+    why: str
+    cost: float | None
+
+
+def effects_of(config: Config, spec: Spec) -> list[Explanation]:
+    """Every effect of a case."""
+    from .cost import TOGGLES, frozen, recall, without
+
+    effects = spec.effects
+    called = called_for(spec.scene, spec.bed.grains, precision=effects.precision)
+    forced = dict(spec.bed.numerics.forced)
+    explained = []
+    for field in fields(Effects):
+        name = field.name
+        if name in ("precision", "guards", "structure"):
+            continue
+        on = getattr(effects, name)
+        why = _why(config, name, on)
+        if name in forced and on != getattr(called, name):
+            why = f"forced {'on' if on else 'off'}, though the scene {'calls' if not on else 'does not call'} for it"
+        full = recall(frozen, effects)
+        less = recall(frozen, without(effects, name)) if name in TOGGLES else None
+        cost = full - less if on and full is not None and less is not None else None
+        explained.append(Explanation(name, on, why, cost))
+    return explained
+
+
+def _why(config: Config, name: str, on: bool) -> str:
+    if name in ("sizes", "materials"):
+        own = grains(config)
+        count = len(set(own.radius if name == "sizes" else own.species))
+        what = {"sizes": "radius", "materials": "material"}[name]
+        return _line(
+            config, "damper.particles", f"{count} {what if count == 1 else {'radius': 'radii'}.get(what, what + 's')}"
+        )
+    values = config.model_dump()
+    shown = []
+    for key in CALLS_FOR[name]:
+        value = _value(values, key)
+        if value is not None and not isinstance(value, dict) and not (shown and key == CALLS_FOR[name][-1]):
+            shown.append(_line(config, key, str(value)))
+    if not shown:
+        return _line(config, CALLS_FOR[name][-1], "on" if on else "off")
+    if name == "rotation" and on:
+        return "friction turns particles: " + ", ".join(shown)
+    return ", ".join(shown)
+
+
+def _value(node, key: str):
+    for part in key.split("."):
+        node = node.get(part) if isinstance(node, dict) else None
+    return node
+
+
+def _line(config: Config, key: str, value: str) -> str:
+    place = config.line(key)
+    return f"{key}: {value} ({f'line {place}' if place else 'default'})"
+
+
+def explain(config: Config, *, workers: int | None = None) -> str:
+    """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled."""
+    from ..sweep.cases import Cases
+    from ..sweep.plan import plan
+    from ..sweep.resolve import applied, settled
+
+    config = applied(settled(config))
+    made = plan(Cases(config))
+    numbers = made.to_run()
+    sets: dict[Effects, list[int]] = {}
+    for group, (effects, _) in enumerate(made.groups):
+        sets.setdefault(effects, []).extend(numbers[made.group[numbers] == group])
+    blocks = [config.title]
+    for k, (effects, own) in enumerate(sets.items(), 1):
+        spec, _ = made.cases.spec(int(own[0]))
+        heading = "Effects" if len(sets) == 1 else f"Effects, set {k} of {len(sets)} ({len(own)} cases)"
+        blocks.append("\n".join([heading, *_effects_table(config, spec), _precision(effects)]))
+    blocks.append("\n".join(["Step", *_steps(made, numbers)]))
+    blocks.append("\n".join(["Cases", *_cases(made, numbers)]))
+    blocks.append("\n".join(["Time and memory", *_price(made, numbers, workers or os.cpu_count())]))
+    blocks.append("\n".join(["Not modelled", *(f"  {item}" for item in NOT_MODELLED)]))
+    return "\n\n".join(blocks)
+
+
+def _effects_table(config, spec):
+    rows = effects_of(config, spec)
+    yield f"  {'':10} {'':4} {'ns per particle-step':>20}  because"
+    for row in rows:
+        cost = "" if row.cost is None else f"{row.cost:.1f}"
+        yield f"  {row.name:10} {'on' if row.on else 'off':4} {cost:>20}  {row.why}"
+
+
+def _precision(effects: Effects) -> str:
+    return f"  motion in {effects.precision}, energies in float64"
+
+
+def _steps(made: Plan, numbers):
+    from ..numerics.timestep import expected_speed, shortest_contact
+
+    dt = made.dt[numbers]
+    for number in dict.fromkeys((int(numbers[dt.argmin()]), int(numbers[dt.argmax()]))):
+        spec, _ = made.cases.spec(number)
+        drive = spec.scene.drive
+        speed = expected_speed(spec.scene, spec.bed.grains.radius)
+        contact = shortest_contact(spec.scene, spec.bed.grains, speed)
+        yield (
+            f"  {1e6 * spec.dt:.3g} us at {drive.frequency:.4g} Hz, Gamma {drive.acceleration / STANDARD_GRAVITY:.3g}: "
+            f"{spec.steps_per_cycle} steps a cycle; the shortest contact expected takes {1e6 * contact:.3g} us "
+            f"({contact / spec.dt:.0f} steps) at {speed:.3g} m/s"
+        )
+
+
+def _cases(made: Plan, numbers):
+    from ..execution.adaptive import called_for
+    from ..execution.store import Finished
+    from ..sweep.plan import EXCLUDED, REFUSED
+
+    cases = made.cases
+    amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
+    preparation = f"{cases.config.preparation} " if "preparation" not in cases.names().values() else ""
+    yield f"  {len(numbers)} cases{amplitudes}; {len(made.beds)} {preparation}beds"
+    if cases.config.accuracy is not None:
+        first = len(called_for(made, Finished()))
+        yield f"  of these {first} at first, and more packings of a point until it is within the tolerance"
+    if cases.config.sweep:
+        lengths = " x ".join(f"{n} {name}" for name, n in zip(cases.dims, cases.shape, strict=True) if n > 1)
+        left_out = [
+            f"{np.sum(made.fate == fate)} {name}"
+            for fate, name in ((EXCLUDED, "excluded"), (REFUSED, "that cannot be"))
+            if np.any(made.fate == fate)
+        ]
+        yield f"  {lengths or '1'}{''.join(f', without {text}' for text in left_out)}"
+    low, high = made.particles[numbers].min(), made.particles[numbers].max()
+    yield f"  {low} particles each" if low == high else f"  {low} to {high} particles"
+
+
+def _price(made: Plan, numbers, workers):
+    from ..execution.adaptive import called_for
+    from ..execution.batching import BATCH_COST, MOST_CASES
+    from ..execution.store import Finished
+    from .cost import moving, recall
+
+    cost, group = made.cost[numbers], made.group[numbers]
+    first = np.isin(numbers, called_for(made, Finished()))
+    longer = np.array([criteria.most / criteria.fewest for _, criteria in made.groups])
+    least, most = cost[first].sum(), (cost * longer[group]).sum()
+    yield f"  at least {least:.3g} particle-steps, at most {most:.3g} if no case becomes steady; beds are extra"
+    rates = [recall(moving, effects) for effects, _ in made.groups]
+    if None in rates:
+        yield "  this machine's speed is not measured yet: warpdamp explain --measure takes about a minute"
+    else:
+        spent = float((cost * np.array(rates)[group])[first].sum()) * 1e-9
+        yield (
+            f"  {np.mean(rates):.0f} ns per particle-step on this machine: at least {_duration(spent / workers)} on "
+            f"{workers} cores, at most {_duration(spent / workers * most / least)}"
+        )
+    largest = int(made.particles[numbers].max())
+    effects, criteria = made.groups[0]
+    case = particle_bytes(effects) * largest + row_bytes(effects) * (criteria.most + 1)
+    batch = max(1, min(MOST_CASES, BATCH_COST / cost.mean()))
+    yield f"  about {(PROCESS_MEMORY + batch * case) / 1e6:.0f} MB for each of {workers} processes"
+
+
+def particle_bytes(effects: Effects) -> int:
+    """What a particle takes on the device with its contacts, eight neighbours listed twice."""
+    from ..kernels.data import types
+
+    t = types(effects)
+    pair = sum(_size(v) for name, v in t.Contacts.vars.items() if name == "partner" or name.startswith("pair_"))
+    wall = 3 * sum(_size(v) for name, v in t.Contacts.vars.items() if name.startswith("wall_") and "laws" not in name)
+    return np.dtype(t.Particle.numpy_dtype()).itemsize + 8 * pair + wall
+
+
+def row_bytes(effects: Effects) -> int:
+    """What a cycle's row of the ledger takes."""
+    from ..kernels.data import columns
+
+    return 8 * len(columns(effects))
+
+
+def _size(variable) -> int:
+    import warp as wp
+
+    return wp.types.type_size_in_bytes(variable.type.dtype)
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    if seconds < 5400:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"

@@ -1,0 +1,295 @@
+"""Every case of a study, made when it is asked for: a sweep of a million cases is a few numbers a case."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ..config.study import Config
+from ..numerics.tolerance import plan
+from ..scene.scene import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from ..damper.case import Criteria
+
+import itertools
+import json
+from collections import OrderedDict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic import ValidationError
+
+from ..config.build import as_list, drive, grains, particle_mass, scene
+from ..errors import ConfigError
+from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, coordinate_names, dotted, leaves, put, tree, tree_copy
+from .exclude import Exclusions
+from .reader import read_axes
+
+if TYPE_CHECKING:
+    from ..damper.case import Criteria, Request, Spec
+    from ..modal.modes import Modes
+
+CHOSEN = {
+    ("numerics", "steps_per_contact"),
+    ("numerics", "step"),
+    *(("steady_state", key) for key in ("recipe", "standard_error", "fewest_cycles")),
+}
+"""Scalars that a tolerance chooses."""
+
+KEPT_POINTS = 512
+"""Points whose scenes are kept while their cases are made."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One combination of the swept scalars but frequency, gamma and seed.
+
+    Parameters
+    ----------
+    index : position on the study's axes
+    config : without any axis but those three; None where the combination is refused
+    modes : of the structure with these particles, where the frequencies are its own
+    frequencies : of the excitation [Hz]
+    refused : why this combination cannot be
+    """
+
+    index: tuple[int, ...]
+    config: Config | None
+    modes: Modes | None = None
+    frequencies: tuple[float, ...] = ()
+    refused: str = ""
+
+
+class Cases:
+    """The cases of a study, numbered in the order of (frequency, gamma, swept scalars, seed).
+
+    Parameters
+    ----------
+    config : Config
+
+    Raises
+    ------
+    ConfigError
+        If an axis cannot be read.
+    """
+
+    def __init__(self, config: Config):
+        self.config, self.axes = read_axes(config)
+        self.carried = {path for axis in self.axes if axis.name == CASE for path in axis.paths if path in OWN}
+        """Which of frequency, gamma and seed change along the dimension ``case``."""
+        excitation = self.config.excitation
+        self.gammas = [math.nan] if GAMMA in self.carried else as_list(excitation.gamma)
+        self.seeds = [0] if SEED in self.carried else self.config.seeds
+        self.modal = excitation.frequency == "modes" and FREQUENCY not in self.carried
+        self.excluded = Exclusions(self.config)
+        self._base = tree(self.config)
+        self._points: OrderedDict[tuple, Point] = OrderedDict()
+        self._modes: dict[str, Modes] = {}
+        self._beds: dict = {}
+        self._refuse_what_the_tolerance_chooses()
+
+    def _refuse_what_the_tolerance_chooses(self) -> None:
+        chosen = [path for axis in self.axes for path in axis.paths if path in CHOSEN or path[0] == "accuracy"]
+        if self.config.accuracy is not None and chosen:
+            raise self.config.error(("sweep",), f"{dotted(chosen[0])} is chosen by accuracy.tolerance for all cases")
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """How many values each dimension has; found when first asked for, since files of modes may have to be read."""
+        return self._frequencies(), len(self.gammas), *(len(axis) for axis in self.axes), len(self.seeds)
+
+    def _frequencies(self) -> int:
+        """How many: one where ``case`` carries it; the number of modes may be known to their source only."""
+        if FREQUENCY in self.carried:
+            return 1
+        if not self.modal:
+            return len(as_list(self.config.excitation.frequency))
+        if self.config.structure.modes:
+            return len(self.config.structure.modes)
+        return next((len(point.frequencies) for point in self.points() if not point.refused), 1)
+
+    def __len__(self) -> int:
+        return math.prod(self.shape)
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions, those that ``case`` carries among them."""
+        return ("frequency", "gamma", *(axis.name for axis in self.axes), "seed")
+
+    def names(self) -> dict:
+        """Names of the swept scalars, by path."""
+        return coordinate_names(path for axis in self.axes for path in axis.paths)
+
+    def points(self) -> Iterator[Point]:
+        """Every combination of the swept scalars but frequency, gamma and seed."""
+        for index in itertools.product(*(range(len(axis)) for axis in self.axes)):
+            yield self.point(index)
+
+    def point(self, index: tuple[int, ...]) -> Point:
+        """One of them."""
+        if index in self._points:
+            self._points.move_to_end(index)
+            return self._points[index]
+        point = self._points[index] = self._made(index)
+        if len(self._points) > KEPT_POINTS:
+            self._points.popitem(last=False)
+        return point
+
+    def row(self, index: tuple[int, ...]) -> dict:
+        """Values of the swept scalars at a point, by path."""
+        return {
+            path: value
+            for axis, k in zip(self.axes, index, strict=True)
+            for path, value in zip(axis.paths, axis.rows[k], strict=True)
+        }
+
+    def _made(self, index) -> Point:
+        values = tree_copy(self._base) if self.axes else self._base
+        for path, value in self.row(index).items():
+            put(values, path, value)
+        try:
+            single = Config.model_validate(values)
+        except ValidationError as error:
+            return Point(index, None, refused="; ".join(e["msg"].removeprefix("Value error, ") for e in error.errors()))
+        single._source = self.config._source
+        if single.excitation.frequency != "modes":
+            return Point(index, single, None, tuple(as_list(single.excitation.frequency)))
+        try:
+            own = self._own_modes(single)
+        except ConfigError as problem:
+            if not any(path[0] == "structure" for axis in self.axes for path in axis.paths):
+                raise
+            return Point(index, None, refused=str(problem))  # here only: a damper on a node, a mode that is not there
+        if "shape" in vars(self) and len(own.number) != self.shape[0]:
+            return Point(index, None, refused="the structure has other modes here: name them in structure.modes")
+        # to a microhertz: an eigensolver's last bits depend on the machine, and beds are chaotic
+        return Point(index, single, own, tuple(round(float(f), 6) for f in own.frequency))
+
+    def _own_modes(self, single: Config) -> Modes:
+        """Of the structure with a point's particles; each structure and mass of particles once."""
+        from ..modal.from_config import modes
+
+        particles = particle_mass(single)
+        structure = single.structure.model_dump(mode="json")
+        materials = {
+            name: single.materials[name].model_dump() for path, name in leaves(structure) if path[-1] == "material"
+        }
+        key = json.dumps([particles, structure, materials])
+        if key not in self._modes:
+            self._modes[key] = modes(single, particles=particles)
+        return self._modes[key]
+
+    def numbers(self, point: Point) -> Iterator[tuple[int, tuple[int, int, int]]]:
+        """Numbers of a point's cases, with their positions in (frequency, gamma, seed)."""
+        steps = np.cumprod((1, *self.shape[:0:-1]))[::-1]  # from one case to the next along each dimension
+        inner = int(np.dot(steps[2:-1], point.index)) if point.index else 0
+        for i, j, k in itertools.product(range(self.shape[0]), range(self.shape[1]), range(self.shape[-1])):
+            yield int(i * steps[0] + j * steps[1] + inner + k), (i, j, k)
+
+    def spec(self, number: int) -> tuple[Spec, Criteria]:
+        """A case to run, and when it is done."""
+        index = tuple(int(k) for k in np.unravel_index(number, self.shape))
+        return self.spec_at(self.point(index[2:-1]), (index[0], index[1], index[-1]))
+
+    def spec_at(self, point: Point, position: tuple[int, int, int]) -> tuple[Spec, Criteria]:
+        """The case of a point at a position in (frequency, gamma, seed), and when it is done.
+
+        Raises
+        ------
+        ConfigError
+            If a forced step does not resolve the shortest contact expected.
+        """
+        from ..damper.case import Spec
+
+        pass
+
+        i, j, k = position
+        config = point.config
+        frequency, gamma, seed = self.drive_at(point, position)
+        bed = self._bed(config, point.index, seed)
+        driven = bed.scene.driven(drive(config, frequency, gamma))
+        index = (i, j, *point.index, k)
+        return Spec(index, driven, steps_of(config, driven, bed.grains), bed), criteria_of(config, frequency)
+
+    def specs(self) -> Iterator[Spec]:
+        """Every case that can be and is not excluded."""
+        for point in self.points():
+            if not point.refused:
+                for _, position in self.numbers(point):
+                    if not self.excluded(point, *self.drive_at(point, position)):
+                        yield self.spec_at(point, position)[0]
+
+    def acceleration(self, number: int) -> float:
+        """Amplitude of a case [m/s^2]."""
+        return self.spec(number)[0].scene.drive.acceleration
+
+    def drive_at(self, point: Point, position: tuple[int, int, int]) -> tuple[float, float, int]:
+        """Frequency [Hz], Gamma and seed of a case."""
+        i, j, k = position
+        return point.frequencies[i], as_list(point.config.excitation.gamma)[j], point.config.seeds[k]
+
+    def _bed(self, config: Config, index, seed: int) -> Request:
+        from ..damper.case import PAPER_SETTLING, Request
+        from ..numerics.timestep import Numerics
+
+        if (index, seed) not in self._beds:
+            if len(self._beds) > KEPT_POINTS:
+                self._beds.clear()
+            self._beds[index, seed] = Request(
+                scene=scene(config),
+                grains=grains(config),
+                seed=seed,
+                preparation="loose" if config.preparation == "carried" else config.preparation,
+                settling_time=PAPER_SETTLING if config.steady_state.recipe == "paper" else None,
+                numerics=Numerics(
+                    config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced()
+                ),
+            )
+        return self._beds[index, seed]
+
+
+def steps_of(config: Config, driven, own) -> int:
+    """Steps per cycle, chosen or forced.
+
+    Raises
+    ------
+    ConfigError
+        If a forced step does not resolve the shortest contact expected.
+    """
+    from ..numerics.timestep import (
+        FEWEST_STEPS_PER_CONTACT,
+        FEWEST_STEPS_PER_CYCLE,
+        contact_step,
+        expected_speed,
+        shortest_contact,
+        steps_per_cycle,
+    )
+
+    numerics = config.numerics
+    if numerics.step == "auto":
+        return steps_per_cycle(driven, own, steps_per_contact=numerics.steps_per_contact)
+    longest = contact_step(driven, own, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
+    if numerics.step > longest:
+        shortest = shortest_contact(driven, own, expected_speed(driven, own.radius))
+        raise config.error(
+            "numerics.step",
+            f"{numerics.step:.3g} s is too large for the shortest contact expected, {shortest:.3g} s at "
+            f"{driven.drive.frequency:.1f} Hz and Gamma {driven.drive.acceleration / STANDARD_GRAVITY:g}: "
+            f"take at most {longest:.2g} s, or 'auto'",
+        )
+    return max(FEWEST_STEPS_PER_CYCLE, math.ceil(1 / (driven.drive.frequency * numerics.step)))
+
+
+def criteria_of(config: Config, frequency: float) -> Criteria:
+    """When a case at a frequency is done."""
+    from ..damper.case import Criteria, paper_criteria
+
+    wanted = config.steady_state
+    if wanted.recipe == "paper":
+        return paper_criteria(frequency)
+    slack = plan(config.accuracy.tolerance).slack if config.accuracy else 0.0
+    return Criteria(wanted.standard_error, wanted.fewest_cycles, wanted.most_cycles, slack=slack)

@@ -1,0 +1,59 @@
+"""Combinations that a sweep leaves out."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ..config.sweep import Between
+from .axes import FREQUENCY, GAMMA, SEED, Path, get, tree
+from .reader import Reader
+
+if TYPE_CHECKING:
+    from ..config.study import Config
+    from .cases import Point
+
+
+class Exclusions:
+    """The conditions under ``sweep.exclude``: a case that meets all of any entry is left out.
+
+    Parameters
+    ----------
+    config : Config
+
+    Raises
+    ------
+    ConfigError
+        If a path is no scalar of the configuration, or a value is none that it can take.
+    """
+
+    def __init__(self, config: Config):
+        self.entries: list[dict[Path, object]] = []
+        reader = Reader(config)
+        for k, entry in enumerate(config.sweep.exclude if config.sweep else ()):
+            place = ("sweep", "exclude", k)
+            self.entries.append(
+                dict(reader.condition(key, condition, (*place, key)) for key, condition in entry.items())
+            )
+
+    def __call__(self, point: Point, frequency: float, gamma: float, seed: int) -> bool:
+        """Whether a case is left out."""
+        if not self.entries:
+            return False
+        values, drive = tree(point.config), {FREQUENCY: frequency, GAMMA: gamma, SEED: seed}
+        return any(
+            all(_meets(drive[path] if path in drive else get(values, path), wanted) for path, wanted in entry.items())
+            for entry in self.entries
+        )
+
+
+def _meets(value, wanted) -> bool:
+    if isinstance(wanted, Between):
+        return wanted.from_ <= value <= wanted.to or any(map(lambda end: _same(value, end), (wanted.from_, wanted.to)))
+    return any(_same(value, one) for one in wanted)
+
+
+def _same(value, wanted) -> bool:
+    """Equal, numbers to the rounding of their units."""
+    numbers = [isinstance(v, int | float) and not isinstance(v, bool) for v in (value, wanted)]
+    return math.isclose(value, wanted, rel_tol=1e-9) if all(numbers) else value == wanted

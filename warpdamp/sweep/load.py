@@ -1,0 +1,37 @@
+"""A study from its YAML file, or from the folder that holds its results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..config.reading import read
+from ..config.study import Config
+from ..errors import StoreError
+from .cases import Cases
+from .plan import Plan, ready_plan
+
+
+def load(path: str | Path) -> Config:
+    """Read and validate a configuration, its sweep included.
+
+    Raises
+    ------
+    ConfigError
+        One line for every error: file:line:column: key: what is wrong.
+    """
+    config = read(path)
+    Cases(config)  # what is wrong with a sweep is said now
+    return config
+
+
+def kept_plan(folder: Path) -> Plan:
+    """The plan of the study that a folder holds.
+
+    Raises
+    ------
+    StoreError
+        If it holds none.
+    """
+    if not (folder / "study.yaml").is_file():
+        raise StoreError(f"{folder}: holds no study (no study.yaml): give the folder that warpdamp run made")
+    return ready_plan(Cases(load(folder / "study.yaml")), folder)

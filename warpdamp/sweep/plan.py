@@ -1,0 +1,229 @@
+"""What a study has to run: the identity, cost and company of every case, found in one pass over them.
+
+A case is known by a hash of all that its result depends on: its bed, drive, step and criteria, the version of the
+physics, and, where beds are carried on, the amplitudes before it.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import io
+import json
+import zipfile
+import zlib
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..config.build import particle_mass
+from ..config.reading import resolved_yaml
+from ..files import keep
+from ..version import PHYSICS_VERSION, RESULTS_VERSION
+from .cases import Cases
+
+if TYPE_CHECKING:
+    from ..damper.case import Criteria, Spec
+    from ..scene.effects import Effects
+
+RUN, EXCLUDED, REFUSED = 0, 1, 2
+"""What becomes of a case: it is run, left out by the user, or cannot be."""
+
+
+def identity(spec: Spec, criteria: Criteria, bed: str) -> dict:
+    """All that the result of a case depends on, but for the amplitudes before it; ``bed``: key of its bed."""
+    own = {f.name: getattr(spec, f.name) for f in fields(spec) if f.name not in ("index", "scene", "bed")}
+    drive = asdict(spec.scene.drive)
+    versions = {"physics": PHYSICS_VERSION, "results": RESULTS_VERSION}
+    return {**versions, "bed": bed, "drive": drive, "criteria": asdict(criteria), **own}
+
+
+def key(identity: dict, before: list[dict] = []) -> bytes:  # noqa: B006 - not changed
+    """Sixteen bytes that a case is known by."""
+    text = json.dumps({**identity, "before": before}, sort_keys=True)
+    return hashlib.sha256(text.encode()).digest()[:16]
+
+
+@dataclass
+class Plan:
+    """The cases of a study, as arrays over their numbers.
+
+    Parameters
+    ----------
+    cases : Cases
+    keys : (n,) array of 16 bytes; empty where there is nothing to run
+    fate : (n,) array of RUN, EXCLUDED or REFUSED
+    frequency, particle_mass : (n,) arrays [Hz, kg]
+    dt : (n,) array of steps [s]
+    particles : (n,) array of their number
+    cost : (n,) array of particle-steps, at the least
+    chain : (n,) array: number of the first case of the chain that a case belongs to
+    group : (n,) array: position in ``groups``, of which a batch holds one
+    bed : (n,) array: position in ``beds``
+    groups : (effects, criteria) that occur
+    beds : keys of the beds, with the number of a case that has them
+    refused : why, by the index of the point
+    said : attributes of the Dataset: what was simulated, and what was forced off
+    """
+
+    cases: Cases
+    keys: np.ndarray
+    fate: np.ndarray
+    frequency: np.ndarray
+    particle_mass: np.ndarray
+    dt: np.ndarray
+    particles: np.ndarray
+    cost: np.ndarray
+    chain: np.ndarray
+    group: np.ndarray
+    bed: np.ndarray
+    groups: list[tuple[Effects, Criteria]] = field(default_factory=list)
+    beds: dict[str, int] = field(default_factory=dict)
+    refused: dict[tuple, str] = field(default_factory=dict)
+    said: dict[str, str] = field(default_factory=dict)
+
+    def to_run(self) -> np.ndarray:
+        """Numbers of the cases that are run."""
+        return np.flatnonzero(self.fate == RUN)
+
+
+def plan(cases: Cases) -> Plan:
+    """Look at every case once.
+
+    Raises
+    ------
+    ConfigError
+        If no combination can be, or a forced step does not resolve the shortest contact expected.
+    """
+    n = len(cases)
+    made = Plan(
+        cases,
+        keys=np.zeros(n, "S16"),
+        fate=np.full(n, RUN, np.int8),
+        frequency=np.full(n, np.nan),
+        particle_mass=np.full(n, np.nan),
+        dt=np.full(n, np.nan),
+        particles=np.zeros(n, np.int32),
+        cost=np.zeros(n),
+        chain=np.arange(n),
+        group=np.zeros(n, np.int32),
+        bed=np.zeros(n, np.int32),
+    )
+    carried: dict[str, list] = {}
+    groups: dict = {}
+    positions: dict = {}
+    for point in cases.points():
+        _look(made, point, groups, positions, carried)
+    made.groups, made.said = list(groups), _effects_said(cases, groups)
+    _chain_up(made, carried)
+    if len(made.refused) == len(list(_indices(cases))):
+        raise cases.config.error(("sweep",), next(iter(made.refused.values())))
+    return made
+
+
+def _indices(cases: Cases):
+    return np.ndindex(*cases.shape[2:-1])
+
+
+def _look(made: Plan, point, groups: dict, positions: dict, carried: dict) -> None:
+    """Fill in the cases of a point."""
+    cases = made.cases
+    if point.refused:
+        made.refused[point.index] = point.refused
+        made.fate[[number for number, _ in cases.numbers(point)]] = REFUSED
+        return
+    mass, beds, effects = particle_mass(point.config), {}, None
+    for number, position in cases.numbers(point):
+        frequency, gamma, seed = cases.drive_at(point, position)
+        made.frequency[number], made.particle_mass[number] = frequency, mass
+        if cases.excluded(point, frequency, gamma, seed):
+            made.fate[number] = EXCLUDED
+            continue
+        spec, criteria = cases.spec_at(point, position)
+        effects = effects or spec.effects
+        if seed not in beds:
+            beds[seed] = spec.bed.key()
+            positions.setdefault(beds[seed], len(positions))
+            made.beds.setdefault(beds[seed], number)
+        made.dt[number], made.particles[number] = spec.dt, len(spec.bed.grains)
+        made.cost[number] = spec.cost(criteria)
+        made.group[number], _ = groups.setdefault((effects, criteria), (len(groups), number))
+        own = identity(spec, criteria, beds[seed])
+        made.bed[number] = positions[beds[seed]]
+        if point.config.preparation == "carried":
+            company = key({**own, "drive": {**own["drive"], "acceleration": 0}, "steps_per_cycle": 0}).hex()
+            carried.setdefault(company, []).append((spec.scene.drive.acceleration, number, own))
+        else:
+            made.keys[number] = key(own)
+
+
+def _chain_up(made: Plan, carried: dict) -> None:
+    """Give cases that are carried on their keys: each depends on those before it."""
+    for chain in carried.values():
+        chain.sort(key=lambda member: member[:2])
+        first, before = chain[0][1], []
+        for _, number, own in chain:
+            made.chain[number] = first
+            made.keys[number] = key(own, before)
+            before = [*before, {"drive": own["drive"], "steps_per_cycle": own["steps_per_cycle"]}]
+
+
+def _effects_said(cases: Cases, groups: dict) -> dict[str, str]:
+    forced_off = {name for _, number in groups.values() for name in cases.spec(number)[0].forced_off}
+    return {
+        "effects": "; ".join(sorted({str(effects) for effects, _ in groups})),
+        "effects_forced_off": ", ".join(sorted(forced_off)),
+    }
+
+
+_ARRAYS = ("keys", "fate", "frequency", "particle_mass", "dt", "particles", "cost", "chain", "group", "bed")
+
+
+def keep_plan(made: Plan, folder: Path) -> None:
+    """Keep a plan beside its cases: a run that goes on, its parts, and looks at it need not make it again."""
+    study = resolved_yaml(made.cases.config).encode()
+    about = {
+        "made": _fingerprint(study),
+        "refused": [[list(index), why] for index, why in made.refused.items()],
+        "said": made.said,
+        "beds": made.beds,
+        "groups": [int(made.to_run()[np.argmax(made.group[made.to_run()] == k)]) for k in range(len(made.groups))],
+    }
+    content = io.BytesIO()
+    np.savez_compressed(content, about=np.array(json.dumps(about)), **{name: getattr(made, name) for name in _ARRAYS})
+    keep(folder / "plan.npz", content.getvalue())
+    keep(folder / "study.yaml", study)
+
+
+def ready_plan(cases: Cases, folder: Path) -> Plan:
+    """The plan kept in a folder, if the same study and the same code made it; otherwise a new one.
+
+    Raises
+    ------
+    ConfigError
+        See ``plan``.
+    """
+    try:
+        with np.load(folder / "plan.npz") as file:
+            arrays = {name: file[name] for name in _ARRAYS}
+            about = json.loads(str(file["about"]))
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):  # not there, or damaged
+        return plan(cases)
+    if about["made"] != _fingerprint(resolved_yaml(cases.config).encode()):
+        return plan(cases)
+    groups = [(spec.effects, criteria) for spec, criteria in map(cases.spec, about["groups"])]
+    refused = {tuple(index): why for index, why in about["refused"]}
+    return Plan(cases, **arrays, groups=groups, beds=about["beds"], refused=refused, said=about["said"])
+
+
+def _fingerprint(study: bytes) -> str:
+    """Of a study and of the code: a plan by other code may be another plan."""
+    return hashlib.sha256(study + _code()).hexdigest()
+
+
+@functools.cache
+def _code() -> bytes:
+    folder = Path(__file__).parents[1]
+    return b"".join(hashlib.sha256(path.read_bytes()).digest() for path in sorted(folder.rglob("*.py")))

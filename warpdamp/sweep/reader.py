@@ -1,0 +1,278 @@
+"""Reads the ``sweep`` of a configuration into axes; what is wrong with it is said at its place in the file."""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import itertools
+import math
+
+from pydantic import ValidationError
+
+from ..config.quantities import to_si
+from ..config.study import Config
+from ..config.sweep import Between, Range, SampleConfig, Span, spread
+from .axes import (
+    CASE,
+    GAMMA,
+    OWN,
+    SEED,
+    Axis,
+    Path,
+    coordinate_names,
+    dotted,
+    get,
+    leaves,
+    put,
+    tree,
+    tree_copy,
+    unit_of,
+)  # fmt: skip
+
+
+def read_axes(config: Config) -> tuple[Config, list[Axis]]:
+    """The configuration with every frequency, gamma and seed of the sweep in it, and its other axes.
+
+    Raises
+    ------
+    ConfigError
+        If a path is none of the configuration's scalars, is given twice, or takes a value that it cannot take.
+    """
+    return Reader(config).read()
+
+
+class Reader:
+    """Reads the sweep of one configuration.
+
+    Parameters
+    ----------
+    config : Config
+    """
+
+    def __init__(self, config: Config):
+        self.config = config
+        self.base = tree(config)
+        self.scalars = dict(leaves(self.base))
+        self.taken: dict[Path, tuple] = {}
+
+    def condition(self, key: str, condition, place) -> tuple[Path, object]:
+        """The path of a condition, and its values in SI: ``Between``, or a list."""
+        path = self._find(key, place)
+        if isinstance(condition, Between):
+            low, high = (self._single(path, end, place) for end in (condition.from_, condition.to))
+            return path, Between(from_=low, to=high)
+        some = condition if isinstance(condition, list) else [condition]
+        return path, [self._single(path, value, place) for value in some]
+
+    def read(self) -> tuple[Config, list[Axis]]:
+        """See ``read_axes``."""
+        found = self._in_place()
+        sweep = self.config.sweep
+        together: list[Axis] = []
+        config = self.config
+        if sweep:
+            for key, values in sweep.product.items():
+                place = ("sweep", "product", key)
+                path = self._take(key, place)
+                found.append((path, self._distinct(self._values(path, values, place), place)))
+            for k, group in enumerate(sweep.zip):
+                together.append(self._zipped(group, ("sweep", "zip", k)))
+            if sweep.sample:
+                together.append(self._sampled(sweep.sample))
+            if sweep.csv:
+                together.append(self.table(sweep.csv))
+            config = self._folded(found)
+        paths = [path for path, _ in found if path not in OWN]
+        names = coordinate_names([*paths, *(path for axis in together for path in axis.paths)])
+        own = [Axis(names[path], (path,), tuple((v,) for v in values)) for path, values in found if path not in OWN]
+        return config, own + _merged(together)
+
+    def _in_place(self) -> list[tuple[Path, list]]:
+        """Lists that stand where a scalar may."""
+        for path, values in self.scalars.items():
+            if path == GAMMA and isinstance(values, list):
+                self._distinct(values, path)
+        return [
+            (path, self._distinct(values, path))
+            for path, values in self.scalars.items()
+            if isinstance(values, list)
+            and path not in OWN
+            and path[0] in ("materials", "contact", "excitation")
+            and "direction" not in str(path[-1])
+        ]
+
+    def _distinct(self, values: list, place) -> list:
+        if len(set(values)) < len(values):
+            raise self.config.error(place, "each value once")
+        return values
+
+    def _folded(self, found) -> Config:
+        """With the product's frequencies, gammas and seeds where lists of them stand."""
+        values = self.base | {"sweep": None}
+        for path, some in found:
+            if path in OWN:
+                node = values if path == SEED else values[path[0]]
+                node[path[-1]] = sorted(some)
+        folded = Config.model_validate(values)
+        folded._source = self.config._source
+        return folded.model_copy(update={"sweep": self.config.sweep})
+
+    def _take(self, key: str, place) -> Path:
+        """The path that a key stands for, each once."""
+        path = self._find(key, place)
+        given = self.scalars[path]
+        if path in self.taken:
+            raise self.config.error(place, f"is given in {dotted(self.taken[path])}, too")
+        if isinstance(given, list) and len(given) > 1:
+            raise self.config.error(place, f"is a list at {dotted(path)} already: give it once")
+        self.taken[path] = place
+        return path
+
+    def _find(self, key: str, place) -> Path:
+        parts = tuple(int(part) if part.isdigit() else part for part in key.split("."))
+        parts = (*parts[:-1], "seeds") if parts[-1] == "seed" else parts
+        usable = [path for path in self.scalars if path != ("title",) and "direction" not in str(path[-1])]
+        matches = [path for path in usable if path[-len(parts) :] == parts]
+        if parts in matches:
+            return parts
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            raise self.config.error(place, f"may be {' or '.join(map(dotted, matches))}: write the whole path")
+        names = [dotted(path) for path in usable]
+        last = {str(path[-1]): dotted(path) for path in usable}
+        close = difflib.get_close_matches(key, names, n=1) or [
+            last[name] for name in difflib.get_close_matches(str(parts[-1]), list(last), n=1)
+        ]
+        hint = f"; did you mean '{close[0]}'?" if close else "; write a path such as contact.friction"
+        raise self.config.error(place, f"is no scalar of this configuration{hint}")
+
+    def _read(self, row: dict[Path, object], place) -> dict:
+        """Values as the models read them: checked, and in SI."""
+        values = tree_copy(self.base)
+        for path, value in row.items():
+            put(values, path, value)
+        try:
+            read = tree(Config.model_validate(values))
+        except ValidationError as error:
+            own = [e for e in error.errors() if any(_at(e["loc"], path) for path in row)]
+            if own:
+                raise self.config.error(place, _said(own[0], row)) from None
+            return {path: _in_si(path, value) for path, value in row.items()}  # another combination may be possible
+        return {path: get(read, path) for path in row}
+
+    def _values(self, path: Path, values, place) -> list:
+        if not isinstance(values, Range):
+            return [self._single(path, value, (*place, k)) for k, value in enumerate(values)]
+        ends = {end: self._single(path, end, place) for end in values.ends}
+        try:
+            spread_out = values.spread(ends.get)
+        except ValueError as error:
+            raise self.config.error(place, str(error)) from None
+        return spread_out
+
+    def _single(self, path: Path, value, place):
+        return self._read({path: value}, place)[path]
+
+    def _zipped(self, group: dict, place) -> Axis:
+        columns = {}
+        for key, values in group.items():
+            path = self._take(key, (*place, key))
+            columns[path] = self._values(path, values, (*place, key))
+        if len({len(values) for values in columns.values()}) > 1:
+            counts = ", ".join(f"{dotted(path)} {len(values)}" for path, values in columns.items())
+            raise self.config.error(place, f"scalars that change together need as many values each, got {counts}")
+        rows = tuple(zip(*columns.values(), strict=True))
+        for row in rows:
+            self._read(dict(zip(columns, row, strict=True)), place)
+        return Axis(CASE, tuple(columns), rows)
+
+    def _sampled(self, sample: SampleConfig) -> Axis:
+        place = ("sweep", "sample", "over")
+        parts = _samples(sample, len(sample.over)).T
+        columns = {}
+        for (key, ends), part in zip(sample.over.items(), parts, strict=True):
+            path = self._take(key, (*place, key))
+            ends, logarithmic = (ends.log, True) if isinstance(ends, Span) else (ends, False)
+            first, last = (self._single(path, end, (*place, key)) for end in ends)
+            try:
+                columns[path] = spread(first, last, part, logarithmic=logarithmic)
+            except ValueError as error:
+                raise self.config.error((*place, key), str(error)) from None
+        return Axis(CASE, tuple(columns), tuple(zip(*columns.values(), strict=True)))
+
+    def table(self, name: str) -> Axis:
+        """The scalars of a CSV file, one a column."""
+        place, file = ("sweep", "csv"), self.config.folder / name
+        try:
+            with open(file, newline="", encoding="utf-8-sig") as text:
+                header, *lines = [line for line in csv.reader(text) if line] or [[]]
+        except (OSError, UnicodeDecodeError, csv.Error) as error:
+            raise self.config.error(
+                place, f"{file} cannot be read: {getattr(error, 'strerror', None) or error}"
+            ) from None
+        if not header or not lines:
+            raise self.config.error(place, f"{file} needs a line of paths and at least one line of values")
+        paths = [self._take(key.strip(), place) for key in header]
+        rows = []
+        for number, line in enumerate(lines, 2):
+            if len(line) != len(paths):
+                raise self.config.error(place, f"{file}, line {number}: {len(line)} values for {len(paths)} columns")
+            try:
+                row = self._read(dict(zip(paths, map(_cell, line), strict=True)), place)
+            except ValueError as error:
+                raise self.config.error(
+                    place, f"{file}, line {number}: {str(error).rpartition('sweep.csv: ')[2]}"
+                ) from None
+            rows.append(tuple(row[path] for path in paths))
+        return Axis(CASE, tuple(paths), tuple(rows))
+
+
+def _at(loc: tuple, path: Path) -> bool:
+    """Whether an error is about a scalar itself (unions add names of their own to its place)."""
+    parts = iter(loc)
+    return all(any(part == wanted for part in parts) for wanted in path)
+
+
+def _in_si(path: Path, value):
+    unit = unit_of(path)
+    return value if unit is None else to_si(value, unit)
+
+
+def _said(error, row: dict) -> str:
+    """What the models say, in one line."""
+    message = error["msg"].removeprefix("Value error, ")
+    given = " and ".join(f"{dotted(path)} = {value!r}" for path, value in row.items())
+    return f"{message[:1].lower()}{message[1:]} (with {given})"
+
+
+def _cell(text: str):
+    """A number, a truth value, or text."""
+    text = text.strip()
+    for kind in (int, float):
+        try:
+            value = kind(text)
+        except ValueError:
+            continue
+        if math.isfinite(value):
+            return value
+    return {"true": True, "false": False}.get(text.lower(), text)
+
+
+def _samples(sample: SampleConfig, dimensions: int):
+    """Points of the unit cube, (n, dimensions)."""
+    import numpy as np
+    from scipy.stats import qmc
+
+    rng = np.random.default_rng(sample.seed)
+    if sample.method == "latin_hypercube":
+        return qmc.LatinHypercube(dimensions, seed=rng).random(sample.n)
+    return qmc.Sobol(dimensions, seed=rng).random_base2(math.ceil(math.log2(sample.n)))[: sample.n]
+
+
+def _merged(axes: list[Axis]) -> list[Axis]:
+    """Every combination of several groups along one dimension."""
+    if not axes:
+        return []
+    rows = tuple(tuple(itertools.chain(*parts)) for parts in itertools.product(*(axis.rows for axis in axes)))
+    return [Axis(CASE, tuple(itertools.chain(*(axis.paths for axis in axes))), rows)]

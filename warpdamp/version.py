@@ -1,0 +1,13 @@
+"""Versions: of the package, of its physics, and of what a finished case holds."""
+
+from __future__ import annotations
+
+__version__ = "0.1.0"
+
+
+PHYSICS_VERSION = 4
+"""Raised whenever a change alters results, so that cached beds and stored results of old physics are not mixed in."""
+
+
+RESULTS_VERSION = 2
+"""Raised whenever a finished case holds something new, so that stored results of before are run again, too."""
