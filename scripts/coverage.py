@@ -25,7 +25,7 @@ from warpdamp.damper.shake import shake
 from warpdamp.engine.ledger import maximum_energy
 from warpdamp.numerics.steady import standard_error
 from warpdamp.numerics.timestep import steps_per_cycle
-from warpdamp.numerics.tolerance import plan, student
+from warpdamp.numerics.tolerance import settings_for, student
 
 ROOT = Path(__file__).parents[1]
 RADIUS, TOLERANCE = 3.73e-3, 0.05
@@ -43,7 +43,7 @@ def bed(count: int, seed: int) -> Request:
 
 
 def _plan():
-    return plan(TOLERANCE)
+    return settings_for(TOLERANCE)
 
 
 def drawn() -> list[Spec]:

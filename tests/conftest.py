@@ -1,5 +1,6 @@
 """Scenes that many tests share."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 import xarray as xr
 
 from warpdamp import Cylinder, Drive, Material, Scene, State, Surface
+from warpdamp.files import cache_folder
 
 ROOT = Path(__file__).parents[1]
 RADIUS = 3.73e-3
@@ -15,8 +17,9 @@ PMMA = Material(density=920, youngs_modulus=3.3e9, poissons_ratio=0.37)
 
 @pytest.fixture(scope="session", autouse=True)
 def _own_cache(tmp_path_factory):
-    """Beds made by tests are made anew in each session, and are not left in the user's cache."""
+    """Beds made by tests are made anew in each session, and are not left in the user's cache; kernels stay there."""
     patch = pytest.MonkeyPatch()
+    patch.setenv("WARP_CACHE_PATH", os.environ.get("WARP_CACHE_PATH", str(cache_folder("kernels"))))
     patch.setenv("WARPDAMP_CACHE", str(tmp_path_factory.mktemp("cache")))
     yield
     patch.undo()

@@ -9,7 +9,7 @@ import pytest
 from warpdamp import ConfigError, load
 from warpdamp.execution.batching import batches
 from warpdamp.sweep.cases import Cases
-from warpdamp.sweep.plan import EXCLUDED, REFUSED, plan
+from warpdamp.sweep.plan import Fate, plan
 from warpdamp.sweep.reader import read_axes
 from warpdamp.sweep.resolve import settled
 
@@ -149,11 +149,11 @@ def test_exclusions_and_combinations_that_cannot_be(study):
     fate = made.fate.reshape(made.cases.shape)  # frequency, gamma, friction, height, count, seed
     refused = np.zeros(fate.shape, bool)
     refused[:, :, :, 0, 1] = True  # 40 spheres fill 0.96 of 20 mm
-    assert np.array_equal(fate == REFUSED, refused)
+    assert np.array_equal(fate == Fate.REFUSED, refused)
     excluded = np.zeros(fate.shape, bool)
     excluded[:, 1, 0] = True
     excluded[1, :, :, 1] = True
-    assert np.array_equal(fate == EXCLUDED, excluded & ~refused)
+    assert np.array_equal(fate == Fate.EXCLUDED, excluded & ~refused)
     assert "too many particles" in next(iter(made.refused.values()))
 
 
@@ -164,8 +164,8 @@ def test_a_damper_on_a_node_is_one_combination_that_cannot_be(config_path, tmp_p
     path.write_text(text + "sweep: {product: {point_mass.position: [200 mm, 290 mm]}}\n")
     made = plan(Cases(load(path)))
     fate = made.fate.reshape(made.cases.shape)  # frequency, gamma, position, seed
-    assert (fate[:, :, 1] == REFUSED).all()
-    assert (fate[:, :, 0] != REFUSED).all()
+    assert (fate[:, :, 1] == Fate.REFUSED).all()
+    assert (fate[:, :, 0] != Fate.REFUSED).all()
     assert "mode 2 has a node where the damper sits" in made.refused[(1,)]
     path.write_text(text + "sweep: {product: {contact.friction: [0.1, 0.2]}}\n")
     with pytest.raises(ConfigError, match="mode 2 has a node"):
@@ -202,11 +202,11 @@ def test_a_kept_plan_is_the_plan(study, tmp_path, monkeypatch):
     )
     sweep = "  product: {friction: {from: 10 %, to: 0.7, n: 3}, height: [20 mm, 7.47 mm]}\n  exclude: [{gamma: 3, friction: 0.1}]\n"
     made = plan(Cases(load(study(sweep, text))))
-    planning.keep_plan(made, tmp_path)
+    planning.save_plan(made, tmp_path)
     with monkeypatch.context() as patch:
         patch.setattr(planning, "plan", None)
-        kept = loading.kept_plan(tmp_path)
-    for again in (kept, planning.ready_plan(made.cases, tmp_path)):
+        kept = loading.load_plan(tmp_path)
+    for again in (kept, planning.load_or_make_plan(made.cases, tmp_path)):
         for name in planning._ARRAYS:
             np.testing.assert_array_equal(getattr(again, name), getattr(made, name))
         assert (again.groups, again.beds, again.refused, again.said) == (
@@ -218,7 +218,7 @@ def test_a_kept_plan_is_the_plan(study, tmp_path, monkeypatch):
     content = bytearray((tmp_path / "plan.npz").read_bytes())
     content[len(content) // 2] ^= 255
     (tmp_path / "plan.npz").write_bytes(content)
-    assert (loading.kept_plan(tmp_path).keys == made.keys).all()
+    assert (loading.load_plan(tmp_path).keys == made.keys).all()
 
 
 def test_the_physics_is_part_of_the_key(study, monkeypatch):

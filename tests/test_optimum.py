@@ -9,6 +9,7 @@ import xarray as xr
 from warpdamp.analysis.optimum import BLOCK_FLUIDISATION, collision_optimum, optimum
 from warpdamp.analysis.regimes import Regime, regime
 from warpdamp.analysis.results import open_results
+from warpdamp.errors import UsageError
 from warpdamp.numerics.regression import maxima, straight_line
 from warpdamp.report.curves import draw
 from warpdamp.variables import describe
@@ -154,5 +155,5 @@ def test_damping_of_any_structure(mapped):
 
 def test_files_that_are_no_results(tmp_path):
     xr.Dataset({"a": 1}).to_netcdf(tmp_path / "other.nc")
-    with pytest.raises(OSError, match="is no results file of warpdamp"):
+    with pytest.raises(UsageError, match="is no results file of warpdamp"):
         open_results(tmp_path / "other.nc")

@@ -10,7 +10,8 @@ from scipy.spatial.distance import pdist
 from warpdamp import Cylinder, Grains, PackingError, Request, State, prepare
 from warpdamp.damper import preparation as packing
 from warpdamp.damper.placement import fill, separate
-from warpdamp.damper.preparation import cache_folder, settle
+from warpdamp.damper.preparation import settle
+from warpdamp.files import cache_folder
 from warpdamp.numerics.timestep import Numerics
 
 RADIUS = 3.73e-3
@@ -49,7 +50,7 @@ def test_a_particle_larger_than_the_cavity_is_refused():
 def test_a_loose_bed_rests_holds_together_and_repeats(damper):
     scene = damper()
     bed = prepare(Request(scene, PAPER, 5, "loose"))
-    path = cache_folder() / f"{Request(scene, PAPER, 5, 'loose').key()}.npz"
+    path = cache_folder("beds") / f"{Request(scene, PAPER, 5, 'loose').key()}.npz"
     assert path.exists()
     assert np.abs(bed.state.velocity).max() < 0.02
     assert 0.2e-3 < bed.clearance < 1.5e-3  # a loose bed leaves 0.4 mm (docs/acceptance.md)

@@ -6,7 +6,7 @@ import xarray as xr
 
 import warpdamp
 from warpdamp import ConfigError, carry_out, collect, load
-from warpdamp.numerics.tolerance import packings_called_for
+from warpdamp.numerics.tolerance import packings_needed
 from warpdamp.variables import NOT_RUN
 
 STUDY = """
@@ -52,7 +52,7 @@ def test_the_rule(energies, step, packings):
     def every(value):
         return np.full(len(energies), value)
 
-    found = packings_called_for(np.array(energies), every(0.01), every(20.0), every(0.0), every(step), every(4.0), 0.05)
+    found = packings_needed(np.array(energies), every(0.01), every(20.0), every(0.0), every(step), every(4.0), 0.05)
     assert found == packings
 
 
@@ -64,11 +64,11 @@ def test_what_their_own_errors_take_is_called_for_at_once():
         return np.full(10, value)
 
     given = every(0.06), every(20.0), every(0.08), every(0.03), every(4.0), 0.05
-    assert packings_called_for(energies, *given) == 7
+    assert packings_needed(energies, *given) == 7
     energies[:7] = 1.0
-    assert packings_called_for(energies, *given) == 7  # and it is enough
+    assert packings_needed(energies, *given) == 7  # and it is enough
     energies[5:7] = 1.4, 0.6
-    assert packings_called_for(energies, *given) == 8
+    assert packings_needed(energies, *given) == 8
 
 
 def test_points_get_what_they_need(undisturbed):

@@ -1,5 +1,7 @@
 """Nothing finished is lost, nothing wrong is read: kills, damage, a full disk, two runs at once, workers that hang or die."""
 
+import itertools
+import math
 import multiprocessing
 import os
 import random
@@ -7,6 +9,7 @@ import resource
 import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
@@ -17,11 +20,10 @@ import xarray as xr
 
 import warpdamp
 from warpdamp import StoreError, carry_out, collect
-from warpdamp.execution import batching as batches
-from warpdamp.execution import dispatch as foreman
-from warpdamp.execution import executors
-from warpdamp.execution.dispatch import Batch, Lost, work
-from warpdamp.execution.executors import Crew, crew
+from warpdamp.errors import ExecutorError
+from warpdamp.execution import batching, dispatch, executors
+from warpdamp.execution.dispatch import Abandoned, Job, run_jobs
+from warpdamp.execution.executors import WorkerPool, worker_pool
 from warpdamp.execution.progress import status
 from warpdamp.execution.store import Store
 from warpdamp.status import Status
@@ -54,7 +56,7 @@ def undisturbed(tiny):
 
 @pytest.fixture
 def small_batches(monkeypatch):
-    monkeypatch.setattr(batches, "BATCH_COST", 1.0)
+    monkeypatch.setattr(batching, "BATCH_COST", 1.0)
 
 
 START = (
@@ -195,16 +197,16 @@ def test_a_full_disk_is_said_and_nothing_is_lost(tiny, undisturbed, tmp_path, sa
 
 def test_two_runs_in_one_folder(tiny, tmp_path):
     store = Store(tmp_path)
-    with store.claim(None), pytest.raises(StoreError, match=r"another run is at work on .*--part 1/2"):
+    with store.lock(None), pytest.raises(StoreError, match=r"another run is at work on .*--part 1/2"):
         carry_out(tiny, tmp_path, executor="in-process")
-    with store.claim((1, 2)):
-        with pytest.raises(StoreError, match="another run is at work on part 1/2"), Store(tmp_path).claim((1, 2)):
+    with store.lock((1, 2)):
+        with pytest.raises(StoreError, match="another run is at work on part 1/2"), Store(tmp_path).lock((1, 2)):
             pass
-        with pytest.raises(StoreError, match="another run"), Store(tmp_path).claim(None):
+        with pytest.raises(StoreError, match="another run"), Store(tmp_path).lock(None):
             pass
-        with Store(tmp_path).claim((2, 2)):
+        with Store(tmp_path).lock((2, 2)):
             pass
-    with store.claim(None):
+    with store.lock(None):
         pass
 
 
@@ -244,46 +246,96 @@ def test_a_case_that_raises_does_not_take_others_along(tiny, undisturbed, monkey
     xr.testing.assert_identical(dataset["effectiveness"], good.assign_attrs(undisturbed["effectiveness"].attrs))
 
 
-def nap(items):
-    """For a worker: sleep, die or answer, as the items say."""
+def nap(items, alive):
+    """For a worker: hang, die or answer, as the items say; what hangs shows itself in the file ``alive``."""
     for item in items:
-        if item in ("rest", "hang"):
-            time.sleep(3 if item == "rest" else 3600)
+        ends = {"rest": time.monotonic() + 3, "hang": math.inf}.get(item, 0.0)
+        while time.monotonic() < ends:
+            Path(alive).touch()
+            time.sleep(0.02)
         if item == "die":
             os._exit(9)
     return [item.upper() for item in items]
 
 
-LIMIT = 8.0  # seconds, in which a process must start on a busy machine
+class ClockOfWhatHangs:
+    """Advances by 10 s at each look at which something hangs, and not otherwise, however busy the machine is."""
+
+    def __init__(self, alive: Path):
+        self.alive, self.now = alive, 0.0
+
+    def __call__(self) -> float:
+        if self.alive.exists():
+            self.alive.unlink()
+            self.now += 10.0
+        return self.now
+
+
+@pytest.fixture
+def dispatched(tmp_path, monkeypatch):
+    """Results of jobs of naps in a pool, each of at most a minute of the clock above."""
+    monkeypatch.setattr(dispatch, "TICK", 0.05)
+    alive = tmp_path / "alive"
+
+    def run(naps, pool):
+        def submit(job):
+            return nap, job.parts, str(alive)
+
+        clock = ClockOfWhatHangs(alive)
+        return list(
+            run_jobs((Job(items, 60.0) for items in naps), pool, submit, lambda busy: None, tmp_path, clock=clock)
+        )
+
+    return run
 
 
 @pytest.mark.parametrize("how", ["processes", "dask"])
-def test_workers_that_hang_or_die_are_replaced(how, monkeypatch):
+def test_workers_that_hang_or_die_are_replaced(how, dispatched, tmp_path):
     if how == "dask":
         pytest.importorskip("distributed")
-    monkeypatch.setattr(foreman, "TICK", 0.05)
-    every = [["a", "hang"], ["b", "die"], ["c"], ["d"]]
-    with crew(how, 2) as own:
-        answers = list(
-            work((Batch(items, LIMIT) for items in every), own, lambda batch: (nap, batch.parts), lambda busy: None)
-        )
-    good = sorted(letter for _, answer in answers if not isinstance(answer, Lost) for letter in answer)
+    with worker_pool(how, 2) as pool:
+        answers = dispatched([["a", "hang"], ["b", "die"], ["c"], ["d"]], pool)
+    good = sorted(letter for _, answer in answers if not isinstance(answer, Abandoned) for letter in answer)
     assert good == ["A", "B", "C", "D"]
-    lost = {batch.parts[0]: answer.overdue for batch, answer in answers if isinstance(answer, Lost)}
+    lost = {job.parts[0]: answer.overdue for job, answer in answers if isinstance(answer, Abandoned)}
     assert lost == {"hang": True, "die": False}
+    assert not list(tmp_path.glob(".started-*"))
 
 
-def test_a_cluster_that_loses_all_workers_is_not_taken_for_cases_that_hang(monkeypatch):
+def test_a_job_that_waits_for_its_worker_is_not_overdue(tmp_path, monkeypatch):
+    """The limit counts from the start on a worker: here the only one is busy for three times the limit."""
+    monkeypatch.setattr(dispatch, "TICK", 0.01)
+    free, looks = threading.Event(), itertools.count()
+
+    def clock():
+        look = next(looks)
+        if look == 3:
+            free.set()
+        return 100.0 * min(look, 3)
+
+    with ThreadPoolExecutor(1) as executor:
+        executor.submit(free.wait)
+        job = Job(["a"], 100.0)
+        answers = run_jobs(
+            iter([job]),
+            WorkerPool(executor, 2),
+            lambda job: (nap, job.parts, ""),
+            lambda busy: None,
+            tmp_path,
+            clock=clock,
+        )
+        assert list(answers) == [(job, ["A"])]
+
+
+def test_a_cluster_that_loses_all_workers_is_not_taken_for_cases_that_hang(dispatched, monkeypatch):
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(foreman, "TICK", 0.05)
     monkeypatch.setattr(executors, "COMES_BACK_WITHIN", 1.0)
     with (
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, processes=False) as cluster,
         distributed.Client(cluster) as client,
+        pytest.raises(ExecutorError, match=r"no Dask worker came back within 1 s"),
     ):
-        batches = iter([Batch(["rest"], 0.5), Batch(["a"], 0.5)])
-        with pytest.raises(OSError, match=r"no Dask worker came back within 1 s"):
-            list(work(batches, executors.Cluster(client), lambda batch: (nap, batch.parts), lambda busy: None))
+        dispatched([["rest"], ["a"]], executors.Cluster(client))
 
 
 def test_an_executor_of_ones_own(tiny, undisturbed, same):
@@ -291,12 +343,13 @@ def test_an_executor_of_ones_own(tiny, undisturbed, same):
         same(warpdamp.run(tiny, executor=own, workers=2), undisturbed)
 
 
-def test_an_executor_of_ones_own_that_breaks():
+def test_an_executor_of_ones_own_that_breaks(dispatched):
     """Nothing can be done about it, and that is said instead of trying for ever."""
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as own:
-        crew_of_it = Crew(own, 1)
-        with pytest.raises(OSError, match=r"a worker died, and an executor of one.s own is not repaired"):
-            list(work(iter([Batch(["die"], 60)]), crew_of_it, lambda batch: (nap, batch.parts), lambda busy: None))
+    with (
+        ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as own,
+        pytest.raises(ExecutorError, match=r"a worker died, and an executor of one.s own is not repaired"),
+    ):
+        dispatched([["die"]], WorkerPool(own, 1))
 
 
 def test_the_same_by_processes_and_dask(tiny, undisturbed, same):
@@ -307,7 +360,7 @@ def test_the_same_by_processes_and_dask(tiny, undisturbed, same):
 
 @pytest.mark.parametrize(("kind", "error", "message"), [
     ("threads", ValueError, "choose from processes, in-process, dask"),
-    ("tcp://127.0.0.1:9", OSError, "no Dask scheduler answers"),
+    ("tcp://127.0.0.1:9", ExecutorError, "no Dask scheduler answers"),
 ])  # fmt: skip
 def test_who_is_not_there(tiny, kind, error, message, monkeypatch):
     if "://" in kind:
@@ -328,7 +381,7 @@ def test_a_folder_that_holds_no_sweep(tmp_path):
 def test_processes_end_with_their_parent():
     code = (
         "from warpdamp.execution.executors import Processes; import os, time\n"
-        "crew = Processes(1); print(crew.submit(os.getpid).result(), flush=True); crew.submit(time.sleep, 600); time.sleep(600)"
+        "pool = Processes(1); print(pool.submit(os.getpid).result(), flush=True); pool.submit(time.sleep, 600); time.sleep(600)"
     )
     parent = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
     worker = int(parent.stdout.readline())

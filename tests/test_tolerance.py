@@ -10,7 +10,7 @@ import warpdamp
 from warpdamp import ConfigError, load
 from warpdamp.config.study import PRESETS
 from warpdamp.numerics.steady import degrees_of_freedom, standard_error
-from warpdamp.numerics.tolerance import combined, plan, single_interval, step_error, student
+from warpdamp.numerics.tolerance import combined, settings_for, single_interval, step_error, student
 from warpdamp.sweep.resolve import applied
 from warpdamp.variables import NOT_RUN
 
@@ -37,7 +37,7 @@ def correlated(rng, n, phi):
 
 @pytest.mark.parametrize("tolerance", [0.2, *PRESETS.values(), 0.01])
 def test_the_step_is_never_the_largest_part(tolerance):
-    chosen = plan(tolerance)
+    chosen = settings_for(tolerance)
     assert step_error(chosen.steps_per_contact) <= tolerance / 3 * (1 + 1e-12)
     assert math.hypot(step_error(chosen.steps_per_contact), chosen.standard_error) <= tolerance * (1 + 1e-12)
     assert 10 <= chosen.steps_per_contact <= 120

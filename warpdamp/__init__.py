@@ -23,7 +23,7 @@ _HOMES = {
     "PackingError": "errors",
     "SimulationError": "errors",
     "StoreError": "errors",
-    "load": "config.reading",
+    "load": "sweep.load",
     "Config": "config.study",
     "prepare": "damper.preparation",
     "Request": "damper.case",

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, and locks that end with their holder."""
+"""Files that are there whole or not at all, locks that end with their holder, and the folder of caches."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+import platformdirs
+from filelock import ReadWriteLock, Timeout
 
 from .errors import StoreError
 
@@ -57,24 +60,53 @@ def _flush_folder(folder: Path) -> None:
 
 
 @contextmanager
-def locked(path: Path, *, shared: bool = False, wait: bool = False):
-    """Whether a lock on a file could be had; it is held meanwhile, and given up by the system when the process ends.
+def locked(path: Path, *, shared: bool = False, wait: bool = False) -> Iterator[bool]:
+    """Whether a lock on a file could be had; it is held meanwhile, and the system releases it when the process ends.
 
     Parameters
     ----------
-    shared : with others that share it
-    wait : for others to give it up
+    path : Path
+        A file for the lock alone.
+    shared : bool
+        With others that share it.
+    wait : bool
+        For others to release it.
     """
+    lock = ReadWriteLock(path, is_singleton=False)
     try:
-        import fcntl
-    except ImportError:  # Windows: what is done twice is the same twice
-        yield True
+        (lock.acquire_read if shared else lock.acquire_write)(blocking=wait)
+    except Timeout:
+        yield False
         return
-    kind = (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | (0 if wait else fcntl.LOCK_NB)
-    with open(path, "a") as file:
-        try:
-            fcntl.flock(file, kind)
-        except BlockingIOError:
-            yield False
-            return
+    try:
         yield True
+    finally:
+        lock.release()
+        lock.close()
+
+
+def cache_folder(kind: str) -> Path:
+    """Where what can be made again is kept: in ``$WARPDAMP_CACHE``, or in the user's cache folder.
+
+    Parameters
+    ----------
+    kind : str
+        ``beds``, ``kernels``, or another name of a folder in it.
+
+    Raises
+    ------
+    StoreError
+        If the folder cannot be written; names the variable that moves it.
+    """
+    folder = Path(os.environ.get("WARPDAMP_CACHE") or platformdirs.user_cache_path("warpdamp")) / kind
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        usable = os.access(folder, os.W_OK | os.X_OK)
+    except OSError:
+        usable = False
+    if not usable:
+        raise StoreError(
+            f"{folder}: this folder of the cache cannot be written: set WARPDAMP_CACHE to a folder that can (beds, "
+            "compiled kernels and measured speeds are kept in it)"
+        )
+    return folder

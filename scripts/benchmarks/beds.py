@@ -6,7 +6,7 @@ import numpy as np
 
 from warpdamp import Batch, Case, Cylinder, State
 from warpdamp.damper.placement import separate
-from warpdamp.damper.preparation import cache_folder
+from warpdamp.files import cache_folder
 
 from .damper import RADIUS, cavity, damper
 
@@ -20,7 +20,7 @@ def bed(count: int) -> State:
 
     Random spheres without overlap, as dense as they come easily, that then fall by what is left between them.
     """
-    path = cache_folder().parent / "benchmark" / f"bed-{count}.npy"
+    path = cache_folder("benchmark") / f"bed-{count}.npy"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         np.save(path, _settled(count))

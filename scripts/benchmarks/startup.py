@@ -98,7 +98,7 @@ def compilations() -> dict[str, list[float]]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         config = changed_beam(folder, SMALL | {"excitation": {"frequency": ["200 Hz"], "gamma": list(range(1, 13))}})
-        environment = os.environ | {"WARP_CACHE_PATH": f"{folder}/kernels", "WARPDAMP_CACHE": f"{folder}/beds"}
+        environment = os.environ | {"WARPDAMP_CACHE": str(folder)}
         command = [*WARPDAMP, "run", config, "-o", folder, "--workers", "2"]
         builds = [_builds(command, environment, folder / "kernels") for _ in range(2)]
         kept = {path.parent for path in (folder / "kernels").rglob("*.o")}

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from ..errors import UsageError
 from ..files import whole_file
 from ..variables import NOT_RUN
 
@@ -61,7 +62,7 @@ def read(path: Path) -> xr.Dataset:
 
     Raises
     ------
-    OSError
+    UsageError
         If the file is not there, is no netCDF file, or holds no results.
     """
     import xarray as xr
@@ -69,9 +70,9 @@ def read(path: Path) -> xr.Dataset:
     try:
         dataset = xr.load_dataset(path)
     except ValueError:
-        raise OSError(f"{path}: is no netCDF file") from None
+        raise UsageError(f"{path}: is no netCDF file") from None
     if "effectiveness" not in dataset:
-        raise OSError(f"{path}: is no results file of warpdamp (it has no effectiveness)")
+        raise UsageError(f"{path}: is no results file of warpdamp (it has no effectiveness)")
     return dataset
 
 
@@ -92,8 +93,8 @@ def open_results(path: str | Path) -> xr.Dataset:
     try:
         dataset = xr.open_dataset(path)
     except ValueError:
-        raise OSError(f"{path}: is no netCDF file") from None
+        raise UsageError(f"{path}: is no netCDF file") from None
     if "status" not in dataset:
         dataset.close()
-        raise OSError(f"{path}: is no results file of warpdamp (it has no status)")
+        raise UsageError(f"{path}: is no results file of warpdamp (it has no status)")
     return dataset

@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from ..errors import UsageError
 from . import structure as cli_structure
 from .common import ConfigArgument, one_line_errors, picture_file, progress, writable
 
@@ -179,7 +180,7 @@ def accuracy(
     """Study what accuracy costs: each numerical choice varied at a few points of a study."""
     with one_line_errors():
         from ..analysis.results import write
-        from ..execution.executors import crew
+        from ..execution.executors import worker_pool
         from ..report.accuracy import budget, work_precision
         from ..report.figures import save
         from ..report.tables import accuracy_table
@@ -190,7 +191,7 @@ def accuracy(
         checked = load(config)
         writable(output)
         own = points_of(checked, points)
-        with progress() as report, crew("processes", workers) as processes:
+        with progress() as report, worker_pool("processes", workers) as processes:
             runs = vary(own, lambda _: cycles, processes.executor, report=lambda done: report("runs", done))
         path = output / f"{config.stem}-accuracy.nc"
         write(runs, path)
@@ -218,7 +219,7 @@ def plot(
         try:
             figure = draw(dataset)
         except ValueError as error:
-            raise OSError(f"{file}: {error}") from None
+            raise UsageError(f"{file}: {error}") from None
         save(figure, target)
     print(target)
 

@@ -10,17 +10,19 @@ from typing import Annotated
 
 import typer
 
+from ..errors import UsageError
+
 ConfigArgument = Annotated[Path, typer.Argument(help="YAML file of the study.", metavar="CONFIG")]
 
 
 @contextmanager
 def one_line_errors():
-    """What a user can mend comes as one line and exit status 2; anything else is a bug and keeps its traceback."""
-    from ..errors import ConfigError, MissingLibrary, ModalError, PackingError, SimulationError
+    """What a user can put right comes as one line and exit status 2; anything else is a bug and keeps its traceback."""
+    from ..errors import ConfigError, WarpdampError
 
     try:
         yield
-    except (ConfigError, PackingError, SimulationError, ModalError, MissingLibrary, OSError) as error:
+    except (WarpdampError, OSError) as error:
         print(error if isinstance(error, ConfigError) else f"warpdamp: {error}", file=sys.stderr)
         raise typer.Exit(2) from None
 
@@ -29,7 +31,7 @@ def writable(folder: Path) -> None:
     """Make the folder, or say why not, before anything long starts."""
     folder.mkdir(parents=True, exist_ok=True)
     if not os.access(folder, os.W_OK):
-        raise PermissionError(f"{folder}: cannot be written")
+        raise UsageError(f"{folder}: cannot be written")
 
 
 def picture_file(target: Path) -> Path:
@@ -37,7 +39,7 @@ def picture_file(target: Path) -> Path:
     from ..report.figures import PICTURES
 
     if target.suffix not in PICTURES:
-        raise OSError(f"{target}: name a file that ends in .png, .pdf or .svg")
+        raise UsageError(f"{target}: name a file that ends in .png, .pdf or .svg")
     writable(target.parent)
     return target
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..errors import UsageError
 from .common import ConfigArgument, one_line_errors, progress, save_as_asked, writable
 
 if TYPE_CHECKING:
@@ -73,14 +74,14 @@ def coupled(
     with one_line_errors():
         from ..analysis.results import write
         from ..coupled.run import simulate
-        from ..execution.executors import crew
+        from ..execution.executors import worker_pool
         from ..report.coupled import answers
         from ..report.figures import save
         from ..sweep.load import load
 
         checked = load(config)
         writable(output)
-        with progress() as report, crew("processes", workers) as processes:
+        with progress() as report, worker_pool("processes", workers) as processes:
             runs = simulate(checked, processes.executor, lambda done: report("runs", done))
         path = output / f"{config.stem}-coupled.nc"
         write(runs, path)
@@ -159,7 +160,7 @@ def fit(
         found = fits(chosen(read_frf(file), at or []), near)
         if output:
             if output.suffix != ".nc" and "gamma" not in found.dims:
-                raise OSError(f"{output}: one FRF has nothing to draw over Gamma: name a file that ends in .nc")
+                raise UsageError(f"{output}: one FRF has nothing to draw over Gamma: name a file that ends in .nc")
             save_as_asked(found, fitted_curves, output)
     console = Console()
     console.print(fits_table(found))

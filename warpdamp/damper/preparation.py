@@ -20,7 +20,6 @@ from __future__ import annotations
 import io
 import logging
 import math
-import os
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -33,7 +32,7 @@ from ..engine.batch import Batch, Case
 from ..engine.checks import LARGEST_RESIDUAL, residual_share
 from ..engine.ledger import Ledger
 from ..errors import PackingError
-from ..files import keep, locked
+from ..files import cache_folder, keep, locked
 from ..kernels.data import OK
 from ..numerics.timestep import Numerics, contact_step, steps_per_cycle
 from ..scene.effects import Effects
@@ -75,12 +74,6 @@ class Packing:
     blocks: int
 
 
-def cache_folder() -> Path:
-    """Where beds are kept: ``$WARPDAMP_CACHE``, or the user's cache folder."""
-    default = Path(os.environ.get("XDG_CACHE_HOME", "~/.cache")).expanduser() / "warpdamp"
-    return Path(os.environ.get("WARPDAMP_CACHE", default)) / "beds"
-
-
 def prepare(request: Request) -> Packing:
     """The bed of a request, from disk if it was made before.
 
@@ -89,10 +82,9 @@ def prepare(request: Request) -> Packing:
     PackingError
         If the particles do not fit (with the fill asked for and the fill reached) or do not come to rest.
     """
-    path = cache_folder() / f"{request.key()}.npz"
+    path = cache_folder("beds") / f"{request.key()}.npz"
     if (stored := _stored(path)) is not None:
         return stored
-    path.parent.mkdir(parents=True, exist_ok=True)
     with locked(path.parent / f".lock-{path.name[:2]}", wait=True):  # another process may be making it
         if (stored := _stored(path)) is None:
             stored = _make(request)

@@ -8,6 +8,8 @@ import tempfile
 
 import warp as wp
 
+from ..files import cache_folder
+
 
 def _start() -> None:
     """Initialise Warp; its native note that there is no CUDA driver is no news to a code that runs on the CPU.
@@ -15,6 +17,8 @@ def _start() -> None:
     Whatever else the start prints to standard error is passed on.
     """
     wp.config.log_level = wp.LOG_WARNING
+    if "WARP_CACHE_PATH" not in os.environ:  # Warp's own variable, for its kernels alone
+        wp.config.kernel_cache_dir = str(cache_folder("kernels") / wp.config.version)
     sys.stderr.flush()
     with tempfile.TemporaryFile() as caught:
         kept = os.dup(2)

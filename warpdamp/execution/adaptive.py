@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..numerics.tolerance import PARTS, packings_called_for
-from ..sweep.plan import RUN
+from ..numerics.tolerance import PARTS, packings_needed
+from ..sweep.plan import Fate
 
 if TYPE_CHECKING:
     from ..sweep.plan import Plan
@@ -24,7 +24,7 @@ NEEDED = ("status", *_VALUES)
 """What of the finished cases is looked at."""
 
 
-def called_for(plan: Plan, finished: Finished) -> np.ndarray:
+def needed_cases(plan: Plan, finished: Finished) -> np.ndarray:
     """Numbers of the cases that the study needs, finished ones among them.
 
     Where beds are carried on from one amplitude to the next, a packing called for at one of them is run at all.
@@ -33,11 +33,11 @@ def called_for(plan: Plan, finished: Finished) -> np.ndarray:
     if accuracy is None:
         return numbers
     values = _values(plan, finished)
-    called = np.zeros(len(plan.keys), bool)
+    needed = np.zeros(len(plan.keys), bool)
     for point in np.arange(len(plan.keys)).reshape(-1, plan.cases.shape[-1]):
-        own = point[plan.fate[point] == RUN]
-        called[own[: packings_called_for(*values[:, own], accuracy.tolerance)]] = True
-    return numbers[np.isin(plan.chain[numbers], plan.chain[called])]
+        own = point[plan.fate[point] == Fate.RUN]
+        needed[own[: packings_needed(*values[:, own], accuracy.tolerance)]] = True
+    return numbers[np.isin(plan.chain[numbers], plan.chain[needed])]
 
 
 def _values(plan: Plan, finished: Finished) -> np.ndarray:

@@ -67,13 +67,13 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list
 
 def _members(plan: Plan, heads: np.ndarray) -> dict[int, list[int]]:
     """Numbers of the cases of each chain, by rising amplitude."""
-    from ..sweep.plan import RUN
+    from ..sweep.plan import Fate
 
     alone = np.bincount(plan.chain, minlength=len(plan.chain)) == 1
     members = {int(head): [int(head)] for head in heads if alone[head]}
     longer = {int(head): [] for head in heads if not alone[head]}
     if longer:
-        for number in np.flatnonzero((plan.fate == RUN) & ~alone[plan.chain]):
+        for number in np.flatnonzero((plan.fate == Fate.RUN) & ~alone[plan.chain]):
             if plan.chain[number] in longer:
                 longer[int(plan.chain[number])].append(int(number))
         for chain in longer.values():

@@ -1,17 +1,21 @@
-"""Hands batches to a crew, and sees to those that do not come back."""
+"""Jobs handed to a pool of workers, and run again where their worker died or hangs."""
 
 from __future__ import annotations
 
 import logging
+import os
+import platform
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .executors import Crew
+    from .executors import WorkerPool
 
 _log = logging.getLogger(__name__)
 
@@ -19,20 +23,29 @@ TICK = 1.0
 """Seconds between looks at what is in progress."""
 
 LOSSES = 3
-"""After so many losses a batch is taken apart, and its parts are run with nobody else at work; after as many more a
-part is given up."""
+"""After so many losses a job is taken apart, and its parts are run with nothing else in progress; after as many more a
+part is abandoned."""
+
+STARTS_WITHIN = 600.0
+"""Seconds beyond its limit after which a job that has not even started is lost: its worker may still be starting."""
+
+_numbers = count()
 
 
 @dataclass
-class Batch:
+class Job:
     """Work that is done as one, and can be taken apart.
 
     Parameters
     ----------
-    parts : what it can be taken apart into
-    limit : seconds after which it is taken for hanging
-    losses : how often it did not come back
-    suspect : whether it runs with nobody else at work
+    parts : list
+        What it can be taken apart into.
+    limit : float
+        Seconds from its start on a worker after which it is taken for hanging.
+    losses : int
+        How often it did not come back.
+    suspect : bool
+        Whether it runs with nothing else in progress.
     """
 
     parts: list
@@ -40,129 +53,172 @@ class Batch:
     losses: int = 0
     suspect: bool = False
 
-    def apart(self) -> list[Batch]:
-        """Each part on its own."""
-        return [Batch([part], self.limit, 0, True) for part in self.parts]
+    def apart(self) -> list[Job]:
+        """Each part as a job."""
+        return [Job([part], self.limit, 0, True) for part in self.parts]
 
 
 @dataclass(frozen=True)
-class Lost:
-    """What became of a batch that was given up."""
+class Abandoned:
+    """What became of a job that was abandoned."""
 
     overdue: bool
     reason: str
 
 
-def work(
-    batches: Iterator[Batch], crew: Crew, submit: Callable[[Batch], tuple], report: Callable[[int], None]
-) -> Iterator[tuple[Batch, object]]:
-    """Have every batch done; yields each with its result, or with ``Lost``.
+def run_jobs(
+    jobs: Iterator[Job],
+    pool: WorkerPool,
+    submit: Callable[[Job], tuple],
+    report: Callable[[int], None],
+    folder: Path,
+    *,
+    clock: Callable[[], float] = time.monotonic,
+) -> Iterator[tuple[Job, object]]:
+    """Run all jobs; yields each with its result, or with ``Abandoned``.
 
     Parameters
     ----------
-    submit : from a batch to a call and its arguments
-    report : told the number of batches in progress, at every look
+    jobs : iterator of Job
+    pool : WorkerPool
+    submit : callable
+        From a job to a call and its arguments.
+    report : callable
+        Given the number of jobs in progress, at every look.
+    folder : Path
+        Where workers say that they have started a job; all of them see it.
+    clock : callable
+        Seconds, by which limits are measured.
 
     Raises
     ------
     Exception
         What a call raises, other than by the death of its worker.
     """
-    shift = _Shift(batches, crew, submit)
-    while shift.launch():
-        yield from shift.landed()
-        yield from shift.given_up()
-        report(len(shift.flying))
+    dispatcher = _Dispatcher(jobs, pool, submit, folder, clock)
+    while dispatcher.submit_next():
+        yield from dispatcher.completed()
+        yield from dispatcher.abandoned()
+        report(len(dispatcher.in_flight))
+
+
+def _announced(marker: str, call: Callable, arguments: tuple):
+    """In a worker: say that the job has started, then do it."""
+    Path(marker).touch()
+    return call(*arguments)
+
+
+@dataclass
+class _Running:
+    """A job in progress: since when, and the file that its worker makes when it starts."""
+
+    job: Job
+    marker: Path
+    submitted: float
+    started: float | None = None
+
+    def overdue(self, now: float) -> bool:
+        """Whether it takes longer than its limit, counted from its start."""
+        if self.started is None and self.marker.exists():
+            self.started = now
+        if self.started is None:
+            return now - self.submitted > self.job.limit + STARTS_WITHIN
+        return now - self.started > self.job.limit
 
 
 @dataclass(frozen=True)
-class _Missing:
-    """A batch that did not come back, and why."""
+class _Lost:
+    """A job that did not come back, and why."""
 
-    batch: Batch
+    job: Job
     reason: str
     overdue: bool = False
 
 
-class _Shift:
-    """Who is at what, and what has to be done again."""
+class _Dispatcher:
+    """What is in progress, and what has to be run again."""
 
-    def __init__(self, batches: Iterator[Batch], crew: Crew, submit: Callable[[Batch], tuple]):
-        self.source, self.crew, self.submit = iter(batches), crew, submit
-        self.flying: dict[Future, tuple[Batch, float]] = {}
-        self.again: deque[Batch] = deque()
-        self.suspects: deque[Batch] = deque()
-        self.missing: list[_Missing] = []
+    def __init__(self, jobs: Iterator[Job], pool: WorkerPool, submit: Callable[[Job], tuple], folder: Path, clock):
+        self.source, self.pool, self.submit = iter(jobs), pool, submit
+        self.folder, self.clock = folder, clock
+        self.in_flight: dict[Future, _Running] = {}
+        self.retries: deque[Job] = deque()
+        self.suspects: deque[Job] = deque()
+        self.lost: list[_Lost] = []
 
-    def launch(self) -> bool:
-        """Give everybody something to do; whether anything is in progress."""
-        while len(self.flying) < self.crew.width and not any(batch.suspect for batch, _ in self.flying.values()):
-            batch = self._following()
-            if batch is None:
+    def submit_next(self) -> bool:
+        """Give every worker something to do; whether anything is in progress."""
+        while len(self.in_flight) < self.pool.size and not any(run.job.suspect for run in self.in_flight.values()):
+            job = self._following()
+            if job is None:
                 break
-            call, *arguments = self.submit(batch)
+            call, *arguments = self.submit(job)
+            marker = self.folder / f".started-{platform.node()}-{os.getpid()}-{next(_numbers)}.tmp"
             try:
-                self.flying[self.crew.submit(call, *arguments)] = batch, time.monotonic()
+                future = self.pool.submit(_announced, str(marker), call, tuple(arguments))
+                self.in_flight[future] = _Running(job, marker, self.clock())
             except BrokenExecutor:  # a worker died between two looks
-                self.again.appendleft(batch)
-                self.crew.revive(hanging=False)
-        return bool(self.flying)
+                self.retries.appendleft(job)
+                self.pool.restart(hanging=False)
+        return bool(self.in_flight)
 
-    def _following(self) -> Batch | None:
-        if self.again:
-            return self.again.popleft()
-        batch = next(self.source, None)
-        if batch is None and self.suspects and not self.flying:
+    def _following(self) -> Job | None:
+        if self.retries:
+            return self.retries.popleft()
+        job = next(self.source, None)
+        if job is None and self.suspects and not self.in_flight:
             return self.suspects.popleft()
-        return batch
+        return job
 
-    def landed(self) -> Iterator[tuple[Batch, object]]:
+    def _landed(self, future: Future) -> Job:
+        """Take a job out of those in progress."""
+        running = self.in_flight.pop(future)
+        running.marker.unlink(missing_ok=True)
+        return running.job
+
+    def completed(self) -> Iterator[tuple[Job, object]]:
         """Wait for a while; yields what came back with its result, and notes what did not."""
-        done, _ = wait(self.flying, timeout=TICK, return_when=FIRST_COMPLETED)
+        done, _ = wait(self.in_flight, timeout=TICK, return_when=FIRST_COMPLETED)
         for future in done:
-            batch, _ = self.flying.pop(future)
+            job = self._landed(future)
             try:
                 result = future.result()
             except Exception as error:
                 if not _is_death(error):
                     raise
-                self.missing.append(_Missing(batch, f"its worker died: {error}"))
+                self.lost.append(_Lost(job, f"its worker died: {error}"))
             else:
-                yield batch, result
+                yield job, result
 
-    def given_up(self) -> Iterator[tuple[Batch, Lost]]:
-        """Have what is missing done again, with new workers where need be; yields what is given up."""
+    def abandoned(self) -> Iterator[tuple[Job, Abandoned]]:
+        """Run again what is lost, with new workers where need be; yields what is abandoned."""
         hanging = self._overdue()
-        missing, self.missing = self.missing + hanging, []
-        if missing and self.crew.revive(hanging=bool(hanging)):
-            others = [batch for batch, _ in self.flying.values()]
-            self.flying.clear()
+        lost, self.lost = self.lost + hanging, []
+        if lost and self.pool.restart(hanging=bool(hanging)):
+            others = [self._landed(future) for future in list(self.in_flight)]
             if hanging:  # they were stopped for no fault of theirs
-                self.again.extend(others)
+                self.retries.extend(others)
             else:
-                missing += [_Missing(batch, "its worker died, or another's did") for batch in others]
-        for one in missing:
-            if not self._done_again(one):
-                yield one.batch, Lost(one.overdue, one.reason)
+                lost += [_Lost(job, "its worker died, or another's did") for job in others]
+        for loss in lost:
+            if not self._retried(loss):
+                yield loss.job, Abandoned(loss.overdue, loss.reason)
 
-    def _overdue(self) -> list[_Missing]:
+    def _overdue(self) -> list[_Lost]:
         """What has been in progress for too long, and is not waited for any more."""
-        now = time.monotonic()
-        late = [future for future, (batch, started) in self.flying.items() if now - started > batch.limit]
-        batches = [self.flying.pop(future)[0] for future in late]
-        return [_Missing(batch, f"it took more than {batch.limit:.0f} s", overdue=True) for batch in batches]
+        now = self.clock()
+        jobs = [self._landed(future) for future, running in list(self.in_flight.items()) if running.overdue(now)]
+        return [_Lost(job, f"it took more than {job.limit:.0f} s", overdue=True) for job in jobs]
 
-    def _done_again(self, missing: _Missing) -> bool:
-        """Whether a batch is tried once more: as it is, taken apart, or alone."""
-        batch = missing.batch
-        batch.losses += 1
-        _log.warning(
-            "a batch of %d did not come back (%s), for the %d. time", len(batch.parts), missing.reason, batch.losses
-        )
-        if batch.losses < LOSSES and not missing.overdue:
-            (self.suspects if batch.suspect else self.again).append(batch)
-        elif len(batch.parts) > 1 or not batch.suspect:
-            self.suspects.extend(batch.apart())
+    def _retried(self, loss: _Lost) -> bool:
+        """Whether a job is run once more: as it is, taken apart, or alone."""
+        job = loss.job
+        job.losses += 1
+        _log.warning("a job of %d did not come back (%s), for the %d. time", len(job.parts), loss.reason, job.losses)
+        if job.losses < LOSSES and not loss.overdue:
+            (self.suspects if job.suspect else self.retries).append(job)
+        elif len(job.parts) > 1 or not job.suspect:
+            self.suspects.extend(job.apart())
         else:
             return False
         return True

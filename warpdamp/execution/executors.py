@@ -1,7 +1,7 @@
 """Who does the work: this process, processes of this machine, a Dask cluster, or any executor of one's own.
 
-All are a ``concurrent.futures.Executor`` behind a ``Crew``, which knows how many calls it can take at a time, and how
-to go on when a worker has died or hangs.
+All are a ``concurrent.futures.Executor`` behind a ``WorkerPool``, which knows how many calls it can take at a time, and
+how to go on when a worker has died or hangs.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
 
+from ..errors import ExecutorError, MissingLibrary
+
 ANSWERS_WITHIN = 15.0
 """Seconds that a Dask scheduler has to answer."""
 
@@ -27,27 +29,27 @@ LOCAL_DASK = {"distributed.scheduler.allowed-failures": 0, "distributed.deploy.l
 and a worker that is being restarted is not to be given up because another restart came 15 s before."""
 
 
-class Crew:
+class WorkerPool:
     """An executor of one's own, with ``width`` calls at a time; what dies or hangs in it cannot be replaced."""
 
-    def __init__(self, executor: Executor, width: int):
-        self.executor, self.width = executor, width
+    def __init__(self, executor: Executor, size: int):
+        self.executor, self.size = executor, size
 
     def submit(self, call, *arguments) -> Future:
         """Have a call made."""
         return self.executor.submit(call, *arguments)
 
-    def revive(self, *, hanging: bool) -> bool:
+    def restart(self, *, hanging: bool) -> bool:
         """Make good after a death or, if ``hanging``, stop all that runs; whether calls in progress are lost.
 
         Raises
         ------
-        OSError
+        ExecutorError
             If that cannot be done from here.
         """
         if hanging or getattr(self.executor, "_broken", False):
-            what = "a batch is over its limit of time" if hanging else "a worker died"
-            raise OSError(
+            what = "a job is over its limit of time" if hanging else "a worker died"
+            raise ExecutorError(
                 f"{what}, and an executor of one's own is not repaired from here: what is finished is kept: start again"
             )
         return False
@@ -70,18 +72,18 @@ class InProcess(Executor):
         return future
 
 
-class Processes(Crew):
+class Processes(WorkerPool):
     """Fresh processes of this machine; those of a pool in which one died or hangs are replaced."""
 
     def __init__(self, workers: int | None):
-        self.width = workers or os.cpu_count() or 1
+        self.size = workers or os.cpu_count() or 1
         self._start()
 
     def _start(self) -> None:
         # Warp does not promise that its runtime survives a fork
-        self.executor = ProcessPoolExecutor(self.width, mp_context=get_context("spawn"), initializer=_follow_parent)
+        self.executor = ProcessPoolExecutor(self.size, mp_context=get_context("spawn"), initializer=_follow_parent)
 
-    def revive(self, *, hanging: bool) -> bool:
+    def restart(self, *, hanging: bool) -> bool:
         """A new pool; what was in progress in the old one is lost."""
         self.stop()
         self._start()
@@ -95,7 +97,7 @@ class Processes(Crew):
         self.executor.shutdown(wait=True, cancel_futures=True)
 
 
-class Cluster(Crew):
+class Cluster(WorkerPool):
     """The workers of a Dask cluster.  Dask itself sends the work of a dead worker to another."""
 
     def __init__(self, client):
@@ -103,16 +105,16 @@ class Cluster(Crew):
         self.executor = client.get_executor(pure=False)
 
     @property
-    def width(self) -> int:
+    def size(self) -> int:
         """One call for each worker there is at the moment."""
         return max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
 
-    def revive(self, *, hanging: bool) -> bool:
+    def restart(self, *, hanging: bool) -> bool:
         """Restart the workers if one hangs; after a death Dask has done what is needed.
 
         Raises
         ------
-        OSError
+        ExecutorError
             If no worker comes back.
         """
         if hanging:
@@ -120,16 +122,16 @@ class Cluster(Crew):
             try:
                 self._client.wait_for_workers(1, timeout=COMES_BACK_WITHIN)
             except TimeoutError:
-                raise OSError(
-                    "a batch was over its limit of time, and no Dask worker came back within "
+                raise ExecutorError(
+                    "a job was over its limit of time, and no Dask worker came back within "
                     f"{COMES_BACK_WITHIN:.0f} s of a restart: what is finished is kept: start again"
                 ) from None
         return hanging
 
 
 @contextmanager
-def crew(kind: str | Executor, workers: int | None) -> Iterator[Crew]:
-    """A crew, stopped in the end.
+def worker_pool(kind: str | Executor, workers: int | None) -> Iterator[WorkerPool]:
+    """A pool of workers, stopped in the end.
 
     Parameters
     ----------
@@ -140,12 +142,14 @@ def crew(kind: str | Executor, workers: int | None) -> Iterator[Crew]:
     ------
     ValueError
         If there is no executor of this name.
-    OSError
-        If Dask is not installed, or does not answer.
+    MissingLibrary
+        If Dask is not installed.
+    ExecutorError
+        If it does not answer.
     """
     with _main_hidden():
         if isinstance(kind, Executor):
-            yield Crew(kind, workers or os.cpu_count() or 1)
+            yield WorkerPool(kind, workers or os.cpu_count() or 1)
             return
         if kind == "dask" or "://" in kind:
             with _dask(kind, workers) as client:
@@ -154,7 +158,7 @@ def crew(kind: str | Executor, workers: int | None) -> Iterator[Crew]:
         if kind == "processes":
             one = Processes(workers)
         elif kind == "in-process":
-            one = Crew(InProcess(), 1)
+            one = WorkerPool(InProcess(), 1)
         else:
             raise ValueError(
                 f"there is no executor '{kind}': choose from processes, in-process, dask, or the address of a Dask "
@@ -172,7 +176,7 @@ def _dask(kind: str, workers: int | None):
         from dask import config
         from distributed import Client, LocalCluster
     except ImportError:
-        raise OSError("Dask is not installed: pip install 'warpdamp[cluster]'") from None
+        raise MissingLibrary("Dask is not installed: pip install 'warpdamp[cluster]'") from None
     if kind == "dask":
         with (
             config.set(LOCAL_DASK),
@@ -184,7 +188,7 @@ def _dask(kind: str, workers: int | None):
     try:
         client = Client(kind, timeout=ANSWERS_WITHIN)
     except OSError as error:
-        raise OSError(f"no Dask scheduler answers at {kind}: {error}") from None
+        raise ExecutorError(f"no Dask scheduler answers at {kind}: {error}") from None
     with client:
         client.wait_for_workers(workers or 1, timeout=600)
         yield client

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from ..status import FIRST_UNFINISHED
-from ..sweep.load import kept_plan
-from ..sweep.plan import EXCLUDED, REFUSED
-from .adaptive import NEEDED, called_for
+from ..sweep.load import load_plan
+from ..sweep.plan import Fate
+from .adaptive import NEEDED, needed_cases
 from .run_log import EVERY
 from .store import Store
 
@@ -29,15 +29,15 @@ def status(folder: str | Path) -> Iterator[str]:
         If the folder holds no study.
     """
     store = Store.existing(folder)
-    made, kept = kept_plan(store.folder), store.read(NEEDED)
-    keys = np.unique(made.keys[called_for(made, kept)])
+    made, kept = load_plan(store.folder), store.read(NEEDED)
+    keys = np.unique(made.keys[needed_cases(made, kept)])
     own = np.isin(kept.keys, keys)
     finished = own & (kept.status < FIRST_UNFINISHED)
     done, failed = int(finished.sum()), int(own.sum() - finished.sum())
     yield f"{store.folder}: {made.cases.config.title}"
     share, left = 100 * done / max(1, len(keys)), len(keys) - done - failed
     yield f"  {done} of {len(keys)} cases done ({share:.1f} %), {failed} failed, {left} left"
-    for fate, what in ((EXCLUDED, "excluded"), (REFUSED, "combinations that cannot be")):
+    for fate, what in ((Fate.EXCLUDED, "excluded"), (Fate.REFUSED, "combinations that cannot be")):
         if count := int(np.sum(made.fate == fate)):
             yield f"  {count} {what}"
     if len(kept) > own.sum():

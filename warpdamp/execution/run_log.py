@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..errors import StoreError
 from ..files import keep
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ class _LogFile(logging.FileHandler):
         logging.getLogger("warpdamp").warning("%s cannot be written any more", self.baseFilename)
 
 
-class Journal:
+class RunLog:
     """Of one run.
 
     Parameters
@@ -59,7 +60,7 @@ class Journal:
         self._handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
         self._written = 0.0
 
-    def __enter__(self) -> Journal:
+    def __enter__(self) -> RunLog:
         self._level = self._log.level
         self._log.setLevel(logging.INFO)
         self._log.addHandler(self._handler)
@@ -75,7 +76,7 @@ class Journal:
         self._log.removeHandler(self._handler)
         self._log.setLevel(self._level)
         self._handler.close()
-        if kind is None or not issubclass(kind, OSError):
+        if kind is None or not issubclass(kind, OSError | StoreError):
             self._keep()
 
     def further(self, cases: int) -> None:

@@ -142,13 +142,13 @@ class Store:
                 where = f"moved to {aside}; its cases are run again"
             _log.warning("%s is damaged (its content is not what was written): %s", path, where)
 
-    def sweep_up(self) -> None:
+    def remove_leftovers(self) -> None:
         """Remove what killed writers left; only while no other runner is at work."""
         for path in [*self.folder.glob("*/.*.tmp"), *self.folder.glob(".*.tmp")]:
             path.unlink(missing_ok=True)
 
     @contextmanager
-    def claim(self, part: tuple[int, int] | None):
+    def lock(self, part: tuple[int, int] | None):
         """Hold the folder, or one part of it, while a run is at work in it.
 
         The system gives the hold up when the process ends, however it ends.
@@ -162,7 +162,7 @@ class Store:
             if not free:
                 raise StoreError(self._held())
             if part is None:
-                self.sweep_up()
+                self.remove_leftovers()
                 yield
                 return
             with locked(self.folder / f".lock-{part[0]}-of-{part[1]}", shared=False) as free:

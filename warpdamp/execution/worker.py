@@ -8,6 +8,7 @@ import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from ..errors import PackingError, StoreError
 from ..status import FIRST_UNFINISHED, Status
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def shake_and_keep(folder: str, work: Work) -> Outcome:
 
     Raises
     ------
-    OSError
+    OSError, StoreError
         If results, beds or kernels cannot be kept, as on a full disk.
     """
     from .store import Store
@@ -86,7 +87,7 @@ def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[in
 
     try:
         return shake(chains, criteria)
-    except OSError:  # of the machine, not of a case
+    except (OSError, StoreError):  # of the machine, not of a case
         raise
     except Exception as error:
         if len(chains) == 1:
@@ -98,14 +99,13 @@ def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[in
 def make_bed(request: Request) -> tuple[str, str] | None:
     """Make a bed and keep it; if that cannot be, what to say, and the configuration's key to look at."""
     from ..damper.preparation import prepare
-    from ..errors import PackingError
 
     with _alone:
         try:
             prepare(request)
         except PackingError as error:
             return str(error), error.key
-        except OSError:
+        except (OSError, StoreError):
             raise
         except Exception as error:
             return f"{type(error).__name__}: {error}", "damper"

@@ -50,7 +50,7 @@ FEWEST_PACKINGS = 3
 
 
 @dataclass(frozen=True)
-class Plan:
+class ToleranceSettings:
     """What a tolerance takes before anything runs.
 
     Parameters
@@ -70,7 +70,7 @@ def step_error(steps_per_contact: float) -> float:
     return STEP_ERROR * (24 / steps_per_contact) ** 2
 
 
-def plan(tolerance: float) -> Plan:
+def settings_for(tolerance: float) -> ToleranceSettings:
     """Step and length for a tolerance.
 
     Parameters
@@ -80,10 +80,10 @@ def plan(tolerance: float) -> Plan:
     wanted = 24 * math.sqrt(STEP_ERROR / (STEP_SHARE * tolerance))
     steps = min(max(wanted, FEWEST_STEPS_PER_CONTACT), FINEST)
     left = math.sqrt(max(tolerance**2 - step_error(steps) ** 2, (0.5 * tolerance) ** 2))
-    return Plan(steps, left, SLACK * tolerance)
+    return ToleranceSettings(steps, left, SLACK * tolerance)
 
 
-def packings_called_for(energies, errors, degrees, memories, steps, largest, tolerance: float) -> int:
+def packings_needed(energies, errors, degrees, memories, steps, largest, tolerance: float) -> int:
     """How many of a point's packings it takes, as far as those that ran tell.
 
     A few; then at once as many as their own errors would take if all agreed, so that their beds are made side by side;
@@ -146,7 +146,7 @@ PARTS = (
     "memory_error",
     "discretisation_error",
 )
-"""Variables of a case that ``combined`` and ``packings_called_for`` begin with, in their order."""
+"""Variables of a case that ``combined`` and ``packings_needed`` begin with, in their order."""
 
 
 def combined(means, errors, degrees, memories=0.0, steps=0.0, ran=True) -> Answer:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import ModalError
 from ..modal.modes import Modes
 
 if TYPE_CHECKING:
@@ -20,13 +21,13 @@ def shapes(modes: Modes, title: str = "") -> Figure:
 
     Raises
     ------
-    OSError
+    ModalError
         If the modes are known at one point only.
     """
     from matplotlib.figure import Figure
 
     if len(modes.point) == 1:
-        raise OSError("modes that are known at the damper only have no shape to draw")
+        raise ModalError("modes that are known at the damper only have no shape to draw")
     order = np.argsort(-np.ptp(modes.point, axis=0))
     extent = np.ptp(modes.point, axis=0)[order]
     draw = _curve if extent[1] < 1e-6 * extent[0] else _map

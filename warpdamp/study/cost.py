@@ -12,9 +12,9 @@ from dataclasses import asdict, replace
 from pathlib import Path
 
 from ..damper.case import Request
-from ..damper.preparation import cache_folder, prepare
+from ..damper.preparation import prepare
 from ..engine.batch import Batch, Case
-from ..files import whole_file
+from ..files import cache_folder, whole_file
 from ..scene.effects import Effects
 from ..scene.particles import Grains, State
 from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
@@ -109,7 +109,7 @@ def _alternating(every, batches, rounds: int, steps: int) -> dict[Effects, list[
 
 
 def _file() -> Path:
-    return cache_folder().parent / "speed.json"
+    return cache_folder("speeds") / "speed.json"
 
 
 def _machine() -> str:
@@ -120,7 +120,6 @@ def remember(measured: Callable, spent: dict[Effects, list[float]]) -> None:
     """Keep the medians of what was ``measured``, ``frozen`` or ``moving``, for ``explain``."""
     kept = _kept() | {_key(measured, effects): statistics.median(times) for effects, times in spent.items()}
     path = _file()
-    path.parent.mkdir(parents=True, exist_ok=True)
     told = {"machine": _machine(), "date": f"{time.strftime('%Y-%m-%d')}", "nanoseconds": kept}
     with whole_file(path) as part:
         part.write_text(json.dumps(told))

@@ -8,13 +8,13 @@ import numpy as np
 
 from ..analysis.results import provenance
 from ..config.reading import resolved_yaml
-from ..execution.adaptive import called_for
+from ..execution.adaptive import needed_cases
 from ..modal.damping import damping_ratio, normalised_damping
 from ..numerics.tolerance import PARTS, allowed, combined
 from ..scene.scene import STANDARD_GRAVITY
 from ..status import Status
 from ..sweep.axes import CASE, FREQUENCY, GAMMA, OWN, SEED, attributes
-from ..sweep.plan import EXCLUDED, REFUSED
+from ..sweep.plan import Fate
 from ..variables import INTEGERS, NOT_RUN, describe
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def assemble(plan: Plan, finished: Finished) -> xr.Dataset:
 def _table(plan: Plan, finished: Finished) -> dict[str, np.ndarray]:
     """Values of every case, by name, in the order of the plan."""
     at, found = finished.rows(plan.keys), np.zeros(len(plan.keys), bool)
-    found[called_for(plan, finished)] = True
+    found[needed_cases(plan, finished)] = True
     found &= at >= 0
     table = {}
     for name, values in finished.values.items():
@@ -85,8 +85,8 @@ def _table(plan: Plan, finished: Finished) -> dict[str, np.ndarray]:
         table[name][found] = values[at[found]]
     status = table.setdefault("status", np.full(len(plan.keys), int(Status.NOT_RUN)))
     status[~found] = Status.NOT_RUN
-    status[plan.fate == EXCLUDED] = Status.EXCLUDED
-    status[plan.fate == REFUSED] = Status.REFUSED
+    status[plan.fate == Fate.EXCLUDED] = Status.EXCLUDED
+    status[plan.fate == Fate.REFUSED] = Status.REFUSED
     messages = np.full(len(plan.keys), "", object)
     messages[found] = finished.messages[at[found]]
     by_point = messages.reshape(plan.cases.shape)

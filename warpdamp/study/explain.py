@@ -173,22 +173,22 @@ def _steps(made: Plan, numbers):
 
 
 def _cases(made: Plan, numbers):
-    from ..execution.adaptive import called_for
+    from ..execution.adaptive import needed_cases
     from ..execution.store import Finished
-    from ..sweep.plan import EXCLUDED, REFUSED
+    from ..sweep.plan import Fate
 
     cases = made.cases
     amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
     preparation = f"{cases.config.preparation} " if "preparation" not in cases.names().values() else ""
     yield f"  {len(numbers)} cases{amplitudes}; {len(made.beds)} {preparation}beds"
     if cases.config.accuracy is not None:
-        first = len(called_for(made, Finished()))
+        first = len(needed_cases(made, Finished()))
         yield f"  of these {first} at first, and more packings of a point until it is within the tolerance"
     if cases.config.sweep:
         lengths = " x ".join(f"{n} {name}" for name, n in zip(cases.dims, cases.shape, strict=True) if n > 1)
         left_out = [
             f"{np.sum(made.fate == fate)} {name}"
-            for fate, name in ((EXCLUDED, "excluded"), (REFUSED, "that cannot be"))
+            for fate, name in ((Fate.EXCLUDED, "excluded"), (Fate.REFUSED, "that cannot be"))
             if np.any(made.fate == fate)
         ]
         yield f"  {lengths or '1'}{''.join(f', without {text}' for text in left_out)}"
@@ -197,13 +197,13 @@ def _cases(made: Plan, numbers):
 
 
 def _price(made: Plan, numbers, workers):
-    from ..execution.adaptive import called_for
+    from ..execution.adaptive import needed_cases
     from ..execution.batching import BATCH_COST, MOST_CASES
     from ..execution.store import Finished
     from .cost import moving, recall
 
     cost, group = made.cost[numbers], made.group[numbers]
-    first = np.isin(numbers, called_for(made, Finished()))
+    first = np.isin(numbers, needed_cases(made, Finished()))
     longer = np.array([criteria.most / criteria.fewest for _, criteria in made.groups])
     least, most = cost[first].sum(), (cost * longer[group]).sum()
     yield f"  at least {least:.3g} particle-steps, at most {most:.3g} if no case becomes steady; beds are extra"

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..config.study import Config
-from ..execution.adaptive import NEEDED, called_for
+from ..execution.adaptive import NEEDED, needed_cases
 from ..execution.store import Finished, Store
 from ..status import FIRST_UNFINISHED, Status
 from ..sweep.cases import Cases
-from ..sweep.load import kept_plan, load
-from ..sweep.plan import Plan, keep_plan, ready_plan
+from ..sweep.load import load, load_plan
+from ..sweep.plan import Plan, load_or_make_plan, save_plan
 from ..sweep.resolve import applied, settled, shortened
 from .dataset import assemble
 
@@ -90,9 +90,9 @@ def carry_out(
     ----------
     part : (k, n) for the k-th of n parts, which may run side by side; together they are the whole
     """
-    from ..execution.executors import crew
-    from ..execution.run_log import Journal
-    from ..execution.runner import Labour
+    from ..execution.executors import worker_pool
+    from ..execution.run_log import RunLog
+    from ..execution.runner import Runner
 
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be at least 1, got {workers}")
@@ -100,21 +100,21 @@ def carry_out(
         config = load(config)
     config = applied(settled(shortened(config) if quick else config))
     kept = Store(store)
-    with kept.claim(part):
+    with kept.lock(part):
         report("modes", 0.0)
-        made = ready_plan(Cases(config), kept.folder)
+        made = load_or_make_plan(Cases(config), kept.folder)
         report("modes", 1.0)
         _refuse_what_does_not_fit(made)
-        keep_plan(made, kept.folder)
+        save_plan(made, kept.folder)
         numbers = _left(made, kept, part)
-        with Journal(kept.folder, len(numbers), part) as journal:
+        with RunLog(kept.folder, len(numbers), part) as run_log:
             if len(numbers):
-                with crew(executor, workers) as own:
-                    labour = Labour(made, kept, own, journal, limit, report)
-                    labour.run(numbers)
+                with worker_pool(executor, workers) as own:
+                    runner = Runner(made, kept, own, run_log, limit, report)
+                    runner.run(numbers)
                     for further in _further(made, kept, part, numbers):
-                        journal.further(len(further))
-                        labour.run(further)
+                        run_log.further(len(further))
+                        runner.run(further)
     return made
 
 
@@ -137,7 +137,7 @@ def collect(store: str | Path) -> xr.Dataset:
         If there is no study in the folder.
     """
     kept = Store.existing(store)
-    return _with_accessor(assemble(kept_plan(kept.folder), kept.read()))
+    return _with_accessor(assemble(load_plan(kept.folder), kept.read()))
 
 
 def _collected(made: Plan, kept: Store) -> xr.Dataset:
@@ -182,7 +182,7 @@ def _raise_if_all_failed(made: Plan, finished: Finished) -> None:
 def _left(made: Plan, kept: Store, part: tuple[int, int] | None) -> np.ndarray:
     """Numbers of the cases to run: called for, of this part, and not in the store."""
     finished = kept.read(NEEDED, repair=True)
-    numbers = called_for(made, finished)
+    numbers = needed_cases(made, finished)
     if part is not None:
         k, n = part
         owners = made.keys[made.chain[_first_packings(made)[numbers]]]

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from ..config.study import Config
-from ..numerics.tolerance import plan
+from ..numerics.tolerance import settings_for
 from ..scene.scene import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -291,5 +291,5 @@ def criteria_of(config: Config, frequency: float) -> Criteria:
     wanted = config.steady_state
     if wanted.recipe == "paper":
         return paper_criteria(frequency)
-    slack = plan(config.accuracy.tolerance).slack if config.accuracy else 0.0
+    slack = settings_for(config.accuracy.tolerance).slack if config.accuracy else 0.0
     return Criteria(wanted.standard_error, wanted.fewest_cycles, wanted.most_cycles, slack=slack)

@@ -8,7 +8,7 @@ from ..config.reading import read
 from ..config.study import Config
 from ..errors import StoreError
 from .cases import Cases
-from .plan import Plan, ready_plan
+from .plan import Plan, load_or_make_plan
 
 
 def load(path: str | Path) -> Config:
@@ -24,7 +24,7 @@ def load(path: str | Path) -> Config:
     return config
 
 
-def kept_plan(folder: Path) -> Plan:
+def load_plan(folder: Path) -> Plan:
     """The plan of the study that a folder holds.
 
     Raises
@@ -34,4 +34,4 @@ def kept_plan(folder: Path) -> Plan:
     """
     if not (folder / "study.yaml").is_file():
         raise StoreError(f"{folder}: holds no study (no study.yaml): give the folder that warpdamp run made")
-    return ready_plan(Cases(load(folder / "study.yaml")), folder)
+    return load_or_make_plan(Cases(load(folder / "study.yaml")), folder)

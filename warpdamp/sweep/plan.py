@@ -13,6 +13,7 @@ import json
 import zipfile
 import zlib
 from dataclasses import asdict, dataclass, field, fields
+from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,8 +29,13 @@ if TYPE_CHECKING:
     from ..damper.case import Criteria, Spec
     from ..scene.effects import Effects
 
-RUN, EXCLUDED, REFUSED = 0, 1, 2
-"""What becomes of a case: it is run, left out by the user, or cannot be."""
+
+class Fate(IntEnum):
+    """What becomes of a case of a study."""
+
+    RUN = 0
+    EXCLUDED = 1
+    REFUSED = 2
 
 
 def identity(spec: Spec, criteria: Criteria, bed: str) -> dict:
@@ -54,7 +60,7 @@ class Plan:
     ----------
     cases : Cases
     keys : (n,) array of 16 bytes; empty where there is nothing to run
-    fate : (n,) array of RUN, EXCLUDED or REFUSED
+    fate : (n,) array of ``Fate``
     frequency, particle_mass : (n,) arrays [Hz, kg]
     dt : (n,) array of steps [s]
     particles : (n,) array of their number
@@ -86,7 +92,7 @@ class Plan:
 
     def to_run(self) -> np.ndarray:
         """Numbers of the cases that are run."""
-        return np.flatnonzero(self.fate == RUN)
+        return np.flatnonzero(self.fate == Fate.RUN)
 
 
 def plan(cases: Cases) -> Plan:
@@ -101,7 +107,7 @@ def plan(cases: Cases) -> Plan:
     made = Plan(
         cases,
         keys=np.zeros(n, "S16"),
-        fate=np.full(n, RUN, np.int8),
+        fate=np.full(n, Fate.RUN, np.int8),
         frequency=np.full(n, np.nan),
         particle_mass=np.full(n, np.nan),
         dt=np.full(n, np.nan),
@@ -132,14 +138,14 @@ def _look(made: Plan, point, groups: dict, positions: dict, carried: dict) -> No
     cases = made.cases
     if point.refused:
         made.refused[point.index] = point.refused
-        made.fate[[number for number, _ in cases.numbers(point)]] = REFUSED
+        made.fate[[number for number, _ in cases.numbers(point)]] = Fate.REFUSED
         return
     mass, beds, effects = particle_mass(point.config), {}, None
     for number, position in cases.numbers(point):
         frequency, gamma, seed = cases.drive_at(point, position)
         made.frequency[number], made.particle_mass[number] = frequency, mass
         if cases.excluded(point, frequency, gamma, seed):
-            made.fate[number] = EXCLUDED
+            made.fate[number] = Fate.EXCLUDED
             continue
         spec, criteria = cases.spec_at(point, position)
         effects = effects or spec.effects
@@ -181,7 +187,7 @@ def _effects_said(cases: Cases, groups: dict) -> dict[str, str]:
 _ARRAYS = ("keys", "fate", "frequency", "particle_mass", "dt", "particles", "cost", "chain", "group", "bed")
 
 
-def keep_plan(made: Plan, folder: Path) -> None:
+def save_plan(made: Plan, folder: Path) -> None:
     """Keep a plan beside its cases: a run that goes on, its parts, and looks at it need not make it again."""
     study = resolved_yaml(made.cases.config).encode()
     about = {
@@ -197,7 +203,7 @@ def keep_plan(made: Plan, folder: Path) -> None:
     keep(folder / "study.yaml", study)
 
 
-def ready_plan(cases: Cases, folder: Path) -> Plan:
+def load_or_make_plan(cases: Cases, folder: Path) -> Plan:
     """The plan kept in a folder, if the same study and the same code made it; otherwise a new one.
 
     Raises

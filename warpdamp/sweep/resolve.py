@@ -8,7 +8,7 @@ import numpy as np
 
 from ..config.build import as_list
 from ..config.study import Config
-from ..numerics.tolerance import plan
+from ..numerics.tolerance import settings_for
 from .axes import dotted
 from .reader import Reader
 
@@ -26,7 +26,7 @@ def applied(config: Config) -> Config:
     """
     if config.accuracy is None:
         return config
-    chosen = plan(config.accuracy.tolerance)
+    chosen = settings_for(config.accuracy.tolerance)
     for section, key in (("numerics", "steps_per_contact"), ("steady_state", "standard_error")):
         given = getattr(config, section)
         if key in given.model_fields_set and getattr(given, key) != getattr(chosen, key):
