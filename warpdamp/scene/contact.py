@@ -5,9 +5,6 @@ from __future__ import annotations
 import functools
 import math
 
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
-
 from .scene import Material, Surface
 
 LEAST_RESTITUTION = 1e-3
@@ -25,6 +22,8 @@ def dashpot(restitution: float) -> float:
     ----------
     restitution : e, 0 to 1
     """
+    from scipy.optimize import brentq  # half a second, and configurations are read without it
+
     wanted = max(restitution, LEAST_RESTITUTION)
     if wanted >= 1:
         return 0.0
@@ -36,6 +35,7 @@ def _rebound(b: float) -> float:
 
     F = x^1.5 + sqrt(5) b x^0.25 x'; the impact is over when F has fallen to zero.
     """
+    from scipy.integrate import solve_ivp
 
     def force(x, rate):
         return x**1.5 + math.sqrt(5) * b * x**0.25 * rate
