@@ -20,6 +20,7 @@ import xarray as xr
 
 import warpdamp
 from warpdamp import StoreError, carry_out, collect
+from warpdamp.analysis.results import write
 from warpdamp.errors import ExecutorError
 from warpdamp.execution import batching, dispatch, executors
 from warpdamp.execution.dispatch import Abandoned, Job, run_jobs
@@ -223,7 +224,7 @@ def test_a_case_that_fails_is_a_value(tiny, tmp_path, same):
     assert "30 failed" in "\n".join(status(tmp_path / "store"))
     again = warpdamp.run(path, store=tmp_path / "store", executor="in-process")  # tries them again, and no more
     same(again, dataset)
-    warpdamp.results.write(dataset, tmp_path / "study.nc")
+    write(dataset, tmp_path / "study.nc")
     with xr.open_dataset(tmp_path / "study.nc") as back:
         same(back.load(), dataset)
 

@@ -28,13 +28,13 @@ class Damper:
         self._dataset = dataset
 
     def optimum(self, of: str = "effectiveness") -> xr.Dataset:
-        """Gamma of fluidisation and of two-sided collision; see ``warpdamp.optimum.optimum``."""
+        """Gamma of fluidisation and of two-sided collision; see ``warpdamp.analysis.optimum.optimum``."""
         from .analysis.optimum import optimum
 
         return optimum(self._dataset, of)
 
     def regime(self) -> xr.DataArray:
-        """Regime of motion of every case; see ``warpdamp.regimes.regime``."""
+        """Regime of motion of every case; see ``warpdamp.analysis.regimes.regime``."""
         from .analysis.regimes import regime
 
         return regime(self._dataset)
@@ -76,13 +76,13 @@ class Damper:
         return zeta.drop_vars("frequency", errors="ignore")
 
     def plot(self) -> Figure:
-        """The picture that the dimensions ask for; see ``warpdamp.plot.draw``."""
+        """The picture that the dimensions ask for; see ``warpdamp.report.curves.draw``."""
         from .report.curves import draw
 
         return draw(self._dataset)
 
     def regime_map(self) -> Figure:
-        """Regimes over frequency and Gamma; see ``warpdamp.maps.regime_map``."""
+        """Regimes over frequency and Gamma; see ``warpdamp.report.maps.regime_map``."""
         from .report.maps import regime_map
 
         return regime_map(self._dataset)
