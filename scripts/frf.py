@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from warpdamp.modal.apparent_mass import ComplexMass, complex_mass, corrected, particle_mass, per_mode
-from warpdamp.modal.frf import Structure, accelerance, constant_force
+from warpdamp.modal.apparent_mass import ComplexMass, complex_mass, corrected, per_mode
+from warpdamp.modal.frf import ModalModel, accelerance, constant_force
 from warpdamp.modal.identify import fits
 from warpdamp.report.frf import against_gamma, families, force_curves
 
@@ -237,7 +237,7 @@ def force_table(responses):
 
 def several_states(dataset):
     """Ranges of Gamma in which, at some frequency, the force that holds a level falls as the level rises."""
-    structure, mass = Structure.of(dataset), ComplexMass.of(dataset)
+    structure, mass = ModalModel.of(dataset), ComplexMass.of(dataset)
     felt = per_mode(dataset, complex_mass(dataset))
     error = 100 * felt["quadrature_mass_standard_error"] / felt["quadrature_mass"]
     gamma = np.linspace(mass.gamma[0], mass.gamma[-1], 1351)
@@ -270,7 +270,7 @@ def several_states(dataset):
 
 def main():
     dataset = xr.load_dataset(DOCS / "beam.nc")
-    mass = 1e3 * float(particle_mass(dataset))
+    mass = 1e3 * float(dataset["particle_mass"])
     energy, frf = corrected(dataset), accelerance(dataset)
     fitted = fits(frf)
     responses = {mode: constant_force(dataset, *given) for mode, given in FORCES.items()}

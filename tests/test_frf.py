@@ -10,9 +10,9 @@ from conftest import ROOT
 
 from warpdamp.errors import ModalError
 from warpdamp.modal import appendix_a as two_mass
-from warpdamp.modal.apparent_mass import ComplexMass, complex_mass, corrected, loaded_modes, particle_mass
+from warpdamp.modal.apparent_mass import ComplexMass, complex_mass, corrected, loaded_modes
 from warpdamp.modal.beam import Beam, PointMass, beam_modes
-from warpdamp.modal.frf import Structure, accelerance, chosen, complex_accelerance, constant_force
+from warpdamp.modal.frf import ModalModel, accelerance, chosen, complex_accelerance, constant_force
 from warpdamp.modal.section import Rectangle
 from warpdamp.scene.scene import Material
 from warpdamp.variables import VARIABLES
@@ -44,6 +44,7 @@ def study(apparent, quadrature, gamma=(0.5, 1.0, 2.0, 4.0, 8.0), modes=slice(Non
             "harmonic_work": (dims, work),
             "energy_dissipated": (dims, work),
             "effectiveness": (dims, work / (4 * (w * x) ** 2 * PARTICLES)),
+            "particle_mass": ((), PARTICLES),
             "displacement": (("frequency", "gamma"), x[..., 0]),
             "excitation_frequency": ("frequency", frequency),
             "natural_frequency": ("mode", frequency),
@@ -61,7 +62,7 @@ def constant(value):
 
 
 def test_the_mass_of_the_particles_is_in_the_results(beam):
-    assert float(particle_mass(beam)) == pytest.approx(PARTICLES, rel=1e-5)
+    assert float(beam["particle_mass"]) == pytest.approx(PARTICLES, rel=1e-5)
 
 
 def test_complex_mass_is_the_appendix_one(beam):
@@ -200,7 +201,7 @@ def test_what_cannot_be_had_is_refused(beam):
     with pytest.raises(ModalError, match=r"reach from 0.5 to 14"):
         accelerance(beam, [0.1])
     with pytest.raises(ModalError, match="have no modes"):
-        Structure.of(beam.drop_vars("natural_frequency"))
+        ModalModel.of(beam.drop_vars("natural_frequency"))
     with pytest.raises(ModalError, match="results at two Gammas or more"):
         ComplexMass.of(beam.isel(gamma=[3]))
     swept = xr.concat([beam, beam], xr.Variable("friction", [0.2, 0.8]))

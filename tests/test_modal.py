@@ -144,8 +144,8 @@ def test_different_dampers_bring_a_study_each():
     gamma = both["gamma"].values
     expected = alone(modes, rising, gamma) + alone(modes, constant, gamma) + 0.001
     np.testing.assert_allclose(both["damping_ratio"], expected, rtol=1e-12)
-    # 2 % of either seed's energy, over the root of two seeds; added, since equal dampers share their beds
-    error = 0.02 * math.sqrt(0.9**2 + 1.1**2) / 2 * (expected - 0.001)
+    # two seeds 10 % off their mean either way, which is more than their own 2 %; added: equal dampers share their beds
+    error = 0.1 * (expected - 0.001)
     np.testing.assert_allclose(both["damping_ratio_standard_error"], error, rtol=1e-12)
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from warpdamp.accessor import open_results
 from warpdamp.analysis.optimum import BLOCK_FLUIDISATION, collision_optimum, optimum
 from warpdamp.analysis.regimes import Regime, regime
-from warpdamp.analysis.results import open_results
 from warpdamp.errors import UsageError
 from warpdamp.numerics.regression import maxima, straight_line
 from warpdamp.report.curves import draw

@@ -18,7 +18,7 @@ _HOMES = {
     "run": "study.run",
     "carry_out": "study.run",
     "collect": "study.run",
-    "open_results": "analysis.results",
+    "open_results": "accessor",
     "ConfigError": "errors",
     "PackingError": "errors",
     "SimulationError": "errors",
@@ -49,8 +49,8 @@ _HOMES = {
 }
 
 if TYPE_CHECKING:
+    from .accessor import open_results as open_results
     from .analysis.optimum import peaks as peaks
-    from .analysis.results import open_results as open_results
     from .config.study import Config as Config
     from .damper.case import Request as Request
     from .damper.preparation import prepare as prepare

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from .analysis.results import over_seeds
+from .analysis.results import over_packings
+from .errors import UsageError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,6 +50,8 @@ class Damper:
         ValueError
             If a mode's frequency lies outside those that were run, or there is no frequency dimension.
         """
+        from .modal.damping import damping_of_effectiveness
+
         dataset = self._dataset
         if "frequency" not in dataset["effectiveness"].dims:
             raise ValueError("damping of modes needs frequency as a dimension of the Dataset")
@@ -58,17 +61,17 @@ class Damper:
             raise ValueError(f"a mode at {outside[0]:.1f} Hz lies outside the frequencies run, {low:g} to {high:g} Hz")
         number = xr.DataArray(np.asarray(modes.number), dims="mode", attrs={"units": "1", "long_name": "mode"})
         frequency, amplitude = (xr.DataArray(np.asarray(a), dims="mode") for a in (modes.frequency, modes.amplitude))
-        value, error = over_seeds(dataset, "effectiveness")
+        value, error = over_packings(dataset, "effectiveness")
         variance = error**2
         if dataset.sizes["frequency"] > 1:
             value, variance = (a.interp(frequency=frequency) for a in (value, variance))
         else:
             value, variance = (a.isel(frequency=0) for a in (value, variance))
-        per_effectiveness = 2 / np.pi * dataset["particle_mass"] * amplitude**2
+        mass = dataset["particle_mass"]
         zeta = xr.Dataset(
             {
-                "damping_ratio": per_effectiveness * value,
-                "damping_ratio_standard_error": per_effectiveness * np.sqrt(variance),
+                "damping_ratio": damping_of_effectiveness(value, mass, amplitude),
+                "damping_ratio_standard_error": damping_of_effectiveness(np.sqrt(variance), mass, amplitude),
             }
         ).assign_coords(mode=number)
         for name in zeta.data_vars:
@@ -86,3 +89,21 @@ class Damper:
         from .report.maps import regime_map
 
         return regime_map(self._dataset)
+
+
+def open_results(path: str | Path) -> xr.Dataset:
+    """Open a results file; its Dataset has ``.damper``.
+
+    Raises
+    ------
+    OSError
+        If it is not there, or is no results file.
+    """
+    try:
+        dataset = xr.open_dataset(path)
+    except ValueError:
+        raise UsageError(f"{path}: is no netCDF file") from None
+    if "status" not in dataset:
+        dataset.close()
+        raise UsageError(f"{path}: is no results file of warpdamp (it has no status)")
+    return dataset

@@ -2,7 +2,8 @@
 
     python scripts/limit/measure.py      (needs gcc or clang)
 
-One pair at a time and eight side by side, on the touching pairs of the jammed bed that `warpdamp.study.cost.frozen` uses.
+One pair at a time and eight side by side, on the touching pairs of the jammed bed that `warpdamp.study.cost.frozen`
+uses.
 """
 
 from __future__ import annotations

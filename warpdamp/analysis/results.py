@@ -18,15 +18,52 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def over_seeds(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
-    """Mean of a variable over packings, and its standard error: of the effectiveness with all its parts."""
-    value, error = dataset[name], dataset[f"{name}_standard_error"]
-    if name == "effectiveness" and "energy_mean_standard_error" in dataset:
-        mean = value.mean("seed") if "seed" in value.dims else value
-        return mean, mean * dataset["energy_mean_standard_error"] / dataset["energy_mean"]
+CLAIMED = ("energy_dissipated", "effectiveness")
+"""Variables whose mean over packings carries the claim of ``energy_mean``: spread, memory, averaging and step."""
+
+
+def over_packings(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
+    """Mean of a variable over the packings that ran, and its standard error.
+
+    The energy per cycle and the effectiveness have the error of ``energy_mean``, with all its parts.  That of any other
+    variable is the larger of what the packings' spread and their own errors say; not a number where there is neither.
+    A point of which a packing failed is not a number.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results.
+    name : str
+        Of the variable.
+
+    Returns
+    -------
+    mean, standard_error : xarray.DataArray
+        Without the dimension ``seed``, in the unit of the variable.
+    """
+    import xarray as xr
+
+    value = dataset[name]
+    own = dataset.get(f"{name}_standard_error", xr.full_like(value, np.nan))
+    there = ran(dataset)
     if "seed" not in value.dims:
-        return value, error
-    return value.mean("seed"), np.sqrt((error**2).sum("seed")) / value.notnull().sum("seed")
+        value, own, there = (a.expand_dims("seed") if "seed" not in a.dims else a for a in (value, own, there))
+    n = there.sum("seed")
+
+    def total(values):
+        return values.where(there, 0.0).sum("seed", skipna=False)
+
+    mean = total(value) / n
+    if name in CLAIMED and "energy_mean" in dataset:
+        return mean, mean * dataset["energy_mean_standard_error"] / dataset["energy_mean"]
+    between = np.sqrt(total((value - mean) ** 2) / (n * (n - 1)).where(n > 1))
+    return mean, np.fmax(between, np.sqrt(total(own**2)) / n)
+
+
+def worst_status(dataset: xr.Dataset) -> xr.DataArray:
+    """How the worst packing of every point ended."""
+    status = dataset["status"]
+    return status.max("seed") if "seed" in status.dims else status
 
 
 def ran(dataset: xr.Dataset) -> xr.DataArray:
@@ -80,21 +117,3 @@ def write(dataset: xr.Dataset, path: Path) -> None:
     """Write a netCDF file whole or not at all."""
     with whole_file(path) as part:
         dataset.to_netcdf(part, engine="netcdf4")
-
-
-def open_results(path: str | Path) -> xr.Dataset:
-    """Open a results file; its Dataset has ``.damper``.
-
-    Raises
-    ------
-    OSError
-        If it is not there, or is no results file.
-    """
-    try:
-        dataset = xr.open_dataset(path)
-    except ValueError:
-        raise UsageError(f"{path}: is no netCDF file") from None
-    if "status" not in dataset:
-        dataset.close()
-        raise UsageError(f"{path}: is no results file of warpdamp (it has no status)")
-    return dataset

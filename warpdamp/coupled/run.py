@@ -314,7 +314,7 @@ def _identified(own: CoupledConfig, runs, found, shape) -> xr.Dataset:
             for (k, _), one in found.items()
             if k == i
         ]
-        frequency, curve = accelerance(pairs, step, AVERAGES if own.random else 1)
+        frequency, curve = accelerance_from_records(pairs, step, AVERAGES if own.random else 1)
         curves.append(curve)
     band, curves = own.swept or own.random, np.array(curves)
     low, high = sorted((band.from_, band.to)) if band else (0.0, math.inf)
@@ -328,7 +328,7 @@ def _identified(own: CoupledConfig, runs, found, shape) -> xr.Dataset:
     return curve.squeeze("level", drop=True) if shape[0] == 1 else curve  # one curve is what `fit` reads
 
 
-def accelerance(pairs, step: float, pieces: int) -> tuple[np.ndarray, np.ndarray]:
+def accelerance_from_records(pairs, step: float, pieces: int) -> tuple[np.ndarray, np.ndarray]:
     """Accelerance of a structure from records of the force on it and of its displacement.
 
     H1 = S_fx / S_ff, spectra averaged over all records and their pieces, times -(2 pi f)^2: of the acceleration itself

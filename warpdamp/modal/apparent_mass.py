@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..analysis.results import ran
+from ..analysis.results import over_packings
 from ..errors import ModalError
 from ..variables import describe
 from .damping import strain_energy
@@ -36,22 +36,11 @@ def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
     """
     acceleration = (2 * np.pi * dataset["excitation_frequency"]) ** 2 * dataset["displacement"]
     quadrature = dataset["harmonic_work"] / (np.pi * acceleration * dataset["displacement"])
-    found = dataset[["apparent_mass"]].assign(quadrature_mass=quadrature)
-    there = ran(dataset)
-    n = there.sum("seed")
-    mean = found.where(there, 0.0).sum("seed", skipna=False) / n
-    squares = ((found - mean) ** 2).where(there, 0.0).sum("seed", skipna=False)
-    error = np.sqrt(squares / (n * (n - 1)).where(n > 1))
+    found = dataset.assign(quadrature_mass=quadrature)
+    mean = dataset[[]].drop_dims("seed", errors="ignore")
     for name in ("apparent_mass", "quadrature_mass"):
-        mean[f"{name}_standard_error"] = error[name]
+        mean[name], mean[f"{name}_standard_error"] = over_packings(found, name)
     return describe(mean)
-
-
-def particle_mass(dataset: xr.Dataset) -> xr.DataArray:
-    """Mass of the particles [kg] on the swept scalars, m = E / (4 eps (w X)^2) (eqs 4, 5)."""
-    speed = 2 * np.pi * dataset["excitation_frequency"] * dataset["displacement"]
-    mass = dataset["energy_dissipated"] / (4 * dataset["effectiveness"] * speed**2)
-    return mass.median(("frequency", "gamma", "seed"))
 
 
 def corrected(dataset: xr.Dataset) -> xr.Dataset:
@@ -65,7 +54,7 @@ def corrected(dataset: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        On (mode, gamma, swept scalars): see ``warpdamp.results.VARIABLES``; ``natural_frequency``, ``strain_energy``
+        On (mode, gamma, swept scalars): see ``warpdamp.variables.VARIABLES``; ``natural_frequency``, ``strain_energy``
         and ``damping_ratio`` are the uncorrected ones.
 
     Raises
@@ -78,7 +67,7 @@ def corrected(dataset: xr.Dataset) -> xr.Dataset:
     require_modes(dataset)
     felt = per_mode(dataset, complex_mass(dataset))
     own, amplitude = dataset["natural_frequency"], dataset["mode_amplitude"]
-    particles = particle_mass(dataset)
+    particles = dataset["particle_mass"]
 
     def modes(extra):
         core = [["mode"]]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..analysis.results import ran
+from ..analysis.results import over_packings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,6 +35,18 @@ def strain_energy(displacement, amplitude, frequency):
 def damping_ratio(energy, displacement, amplitude, frequency):
     """zeta = E / (4 pi E_strain) (eq. 6) [-], from the energy dissipated per cycle [J]."""
     return energy / (4 * math.pi * strain_energy(displacement, amplitude, frequency))
+
+
+def damping_of_effectiveness(effectiveness, particle_mass, amplitude):
+    """zeta = (2 / pi) eps m phi^2 [-]: eqs 4 to 11 in one, in which frequency and amplitude cancel.
+
+    Parameters
+    ----------
+    effectiveness : eps [-]
+    particle_mass : m [kg]
+    amplitude : mass-normalised mode shape phi at the damper [kg^-0.5]
+    """
+    return 2 / math.pi * effectiveness * particle_mass * amplitude**2
 
 
 def normalised_damping(energy, speed, total_mass):
@@ -107,13 +119,7 @@ def _share(dataset: xr.Dataset, modes: Modes, reference: Modes, gamma: np.ndarra
     phi, on_node = xr.DataArray(modes.amplitude, dims="mode"), xr.DataArray(modes.on_node, dims="mode")
     ratio = np.abs(phi / xr.DataArray(reference.amplitude, dims="mode"))
     per_joule = damping_ratio(1.0, dataset["displacement"], 1.0, dataset["frequency"])
-    energy, error = dataset["energy_dissipated"], dataset["energy_dissipated_standard_error"]
-    there = ran(dataset)
-    n = there.sum("seed")
-    curves = (
-        per_joule * energy.where(there, 0.0).sum("seed", skipna=False) / n,
-        per_joule * np.sqrt((error**2).where(there, 0.0).sum("seed", skipna=False)) / n,
-    )
+    curves = [per_joule * energy for energy in over_packings(dataset, "energy_dissipated")]
 
     def at_own_gamma(curve, part):
         return _known(gamma * part, dataset["gamma"].values, curve)

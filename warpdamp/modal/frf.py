@@ -20,7 +20,7 @@ import numpy as np
 from ..errors import ModalError
 from ..scene.scene import STANDARD_GRAVITY
 from ..variables import describe
-from .apparent_mass import ComplexMass, particle_mass, require_modes
+from .apparent_mass import ComplexMass, require_modes
 from .harmonic_balance import branches
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ PER_DECADE = 40
 
 
 @dataclass(frozen=True)
-class Structure:
+class ModalModel:
     """A structure as its modes show it at the damper's point.
 
     Parameters
@@ -54,7 +54,7 @@ class Structure:
     particle_mass: float
 
     @classmethod
-    def of(cls, dataset: xr.Dataset) -> Structure:
+    def of(cls, dataset: xr.Dataset) -> ModalModel:
         """The modes of a study's results, with the damping that the bare structure was given.
 
         Raises
@@ -67,11 +67,11 @@ class Structure:
             dataset["natural_frequency"].values,
             dataset["mode_amplitude"].values,
             dataset["inherent_damping"].values,
-            float(particle_mass(dataset)),
+            float(dataset["particle_mass"]),
         )
 
     @classmethod
-    def of_modes(cls, modes: Modes, damping_ratio, particle_mass: float) -> Structure:
+    def of_modes(cls, modes: Modes, damping_ratio, particle_mass: float) -> ModalModel:
         """Any modes; ``particle_mass`` is what they carry of the particles, 0 if nothing."""
         damping = np.broadcast_to(np.asarray(damping_ratio, float), modes.frequency.shape)
         return cls(modes.frequency, modes.amplitude, damping, particle_mass)
@@ -112,7 +112,7 @@ class Structure:
 
 
 def accelerance(
-    dataset: xr.Dataset, gamma=None, frequency=None, *, band=None, structure: Structure | None = None
+    dataset: xr.Dataset, gamma=None, frequency=None, *, band=None, structure: ModalModel | None = None
 ) -> xr.Dataset:
     """Accelerance at controlled Gamma, as a shaker controller measures it.
 
@@ -137,7 +137,7 @@ def accelerance(
     """
     import xarray as xr
 
-    mass, own = ComplexMass.of(dataset), structure or Structure.of(dataset)
+    mass, own = ComplexMass.of(dataset), structure or ModalModel.of(dataset)
     gamma = mass.gamma if gamma is None else np.atleast_1d(np.asarray(gamma, float))
     if not mass.within(gamma).all():
         raise ModalError(f"gamma: the results reach from {mass.gamma[0]:g} to {mass.gamma[-1]:g}, {gamma} does not fit")
@@ -163,7 +163,7 @@ def accelerance(
     return describe(out)
 
 
-def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: Structure | None = None) -> xr.Dataset:
+def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: ModalModel | None = None) -> xr.Dataset:
     """Response to harmonic forces of constant amplitude: every branch, stable or not.
 
     Parameters
@@ -187,7 +187,7 @@ def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: Structu
     """
     import xarray as xr
 
-    mass, own = ComplexMass.of(dataset), structure or Structure.of(dataset)
+    mass, own = ComplexMass.of(dataset), structure or ModalModel.of(dataset)
     resonance = np.array([own.resonances(mass, g) for g in mass.gamma])
     frequency = _grid(resonance, band or _band(own))
 
@@ -246,7 +246,7 @@ def complex_accelerance(frf: xr.Dataset) -> xr.DataArray:
     return frf["accelerance_real"] + 1j * frf["accelerance_imaginary"]
 
 
-def _bounded(own: Structure, mass: ComplexMass, force: float, frequency) -> None:
+def _bounded(own: ModalModel, mass: ComplexMass, force: float, frequency) -> None:
     """Refuse a force whose response leaves the range of Gamma.
 
     Raises
@@ -264,7 +264,7 @@ def _bounded(own: Structure, mass: ComplexMass, force: float, frequency) -> None
         )
 
 
-def _band(own: Structure) -> tuple[float, float]:
+def _band(own: ModalModel) -> tuple[float, float]:
     return 0.5 * float(own.frequency.min()), 1.25 * float(own.frequency.max())
 
 
@@ -286,7 +286,7 @@ def _grid(resonance: np.ndarray, band) -> np.ndarray:
     return np.unique(every[(every >= band[0]) & (every <= band[1])])
 
 
-def _mode_numbers(dataset: xr.Dataset, own: Structure) -> np.ndarray:
+def _mode_numbers(dataset: xr.Dataset, own: ModalModel) -> np.ndarray:
     named = "mode" in dataset and dataset.sizes["mode"] == len(own.frequency)
     return dataset["mode"].values if named else np.arange(1, len(own.frequency) + 1)
 

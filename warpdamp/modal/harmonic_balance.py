@@ -26,7 +26,7 @@ import numpy as np
 
 from ..errors import ModalError
 
-Structure = Callable[[np.ndarray], np.ndarray]
+ModalModel = Callable[[np.ndarray], np.ndarray]
 """Complex force per motion at frequencies [Hz]."""
 Damper = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Complex force per motion at frequencies [Hz] and amplitudes, arrays of one shape: a describing function."""
@@ -63,7 +63,7 @@ class Branch:
         return np.flatnonzero(step[1:] * step[:-1] < 0) + 1
 
 
-def branches(structure: Structure, damper: Damper, force: float, frequency, amplitude) -> list[Branch]:
+def branches(structure: ModalModel, damper: Damper, force: float, frequency, amplitude) -> list[Branch]:
     """Every branch of the response in the window of a grid, longest first.
 
     Parameters
@@ -92,7 +92,7 @@ def branches(structure: Structure, damper: Damper, force: float, frequency, ampl
     return [_branch(plane, line, closed) for line, closed in found]
 
 
-def is_stable(structure: Structure, damper: Damper, frequency, amplitude) -> np.ndarray:
+def is_stable(structure: ModalModel, damper: Damper, frequency, amplitude) -> np.ndarray:
     """Whether states on the response are stable, from the slow equations of the amplitude.
 
     With c = 1 / (j Z_w) and p = c (Z + a Z_a), q = j c Z the Jacobian is [[Re p, Re q], [Im p, Im q]].
@@ -125,7 +125,7 @@ def _distance(points, line) -> np.ndarray:
 class _Plane:
     """The grid's own coordinates, in which a cell is a unit square and sharp peaks are round."""
 
-    structure: Structure
+    structure: ModalModel
     damper: Damper
     force: float
     frequency: np.ndarray

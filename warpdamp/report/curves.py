@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..analysis.results import over_seeds
+from ..analysis.results import over_packings, worst_status
 from .figures import grid, named, panels
 from .maps import phase_map, scattered
 
@@ -50,9 +50,9 @@ def curves(dataset: xr.Dataset) -> Figure:
         value, error = dataset["damping_ratio"], dataset["damping_ratio_standard_error"]
         first, label = "mode", "damping ratio [-]"
     else:
-        value, error = over_seeds(dataset, "effectiveness")
+        value, error = over_packings(dataset, "effectiveness")
         first, label = "frequency", "effectiveness [-]"
-    status = dataset["status"].max("seed") if "seed" in dataset["status"].dims else dataset["status"]
+    status = worst_status(dataset)
     swept = [dim for dim in value.dims if dim not in (first, "gamma")]
     lines: list[str] = []
     while swept and value.sizes[swept[-1]] * math.prod(value.sizes[d] for d in lines) <= MOST_LINES:

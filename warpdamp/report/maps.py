@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.optimum import collision_optimum, optimum
+from ..analysis.results import over_packings
 from .figures import grid, named, panels
 
 if TYPE_CHECKING:
@@ -36,8 +37,7 @@ def phase_map(dataset: xr.Dataset) -> Figure:
     Dashed: eq. 1 with the clearance measured.  Dotted: the same with gravity along the axis.  Points with error bars:
     the optima found, of fluidisation (circles) and of two-sided collision (squares).
     """
-    value = dataset["effectiveness"]
-    value = value.mean("seed") if "seed" in value.dims else value
+    value, _ = over_packings(dataset, "effectiveness")
     found = optimum(dataset)
     top = float(np.nanmax(value)) if np.isfinite(value).any() else 1.0
     figure, drawn, image = _maps(value, vmin=0, vmax=top, cmap="viridis")
@@ -103,8 +103,7 @@ def _lines(ax, dataset, panel) -> None:
 
 def scattered(dataset: xr.Dataset) -> Figure:
     """Effectiveness of cases against each of the scalars that change together; colour: Gamma, where it is one."""
-    value = dataset["effectiveness"]
-    value = value.mean("seed") if "seed" in value.dims else value
+    value, _ = over_packings(dataset, "effectiveness")
     names = [
         name for name, c in dataset.coords.items() if c.dims == ("case",) and name != "case" and c.dtype.kind in "iuf"
     ]

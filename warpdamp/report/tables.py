@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.optimum import peaks
-from ..analysis.results import over_seeds
+from ..analysis.results import over_packings, worst_status
 from ..damper.case import MOST_BLOCKS
 from ..status import Status
 from ..variables import NOT_RUN
@@ -43,8 +43,8 @@ def summary(dataset: xr.Dataset) -> Table:
     if modal:
         value, error, lines = dataset["damping_ratio"], dataset["damping_ratio_standard_error"], "mode"
     else:
-        (value, error), lines = over_seeds(dataset, "effectiveness"), "frequency"
-    status = dataset["status"].max("seed") if "seed" in dataset["status"].dims else dataset["status"]
+        (value, error), lines = over_packings(dataset, "effectiveness"), "frequency"
+    status = worst_status(dataset)
     outer = [dim for dim in (lines, *value.dims) if dim in value.dims and dim != "gamma"]
     outer = list(dict.fromkeys(outer))
     swept = [dim for dim in outer if dim != lines]
