@@ -4,14 +4,16 @@ import functools
 
 import warp as wp
 
+from .columns import KernelStatus
 from .cylinder import wall_contacts
-from .data import ESCAPED, NOT_FINITE, UNIQUE, types
 from .ledger import ledger
 from .motion import motion
+from .options import UNIQUE
 from .pairs import pair_contacts
+from .structs import types
 from .structure import structure
 
-_NOT_FINITE, _ESCAPED = wp.constant(NOT_FINITE), wp.constant(ESCAPED)
+OK, NOT_FINITE, ESCAPED = (wp.constant(int(status)) for status in KernelStatus)
 
 
 @functools.cache
@@ -24,8 +26,8 @@ def stepper(effects):
     wall_forces, _, contained = wall_contacts(effects)
     enclosure_phase, integrate, kick = motion(effects)
     book = ledger(effects)
-    tally, stored, WORK, FORCE_WORK = book.tally, book.stored, book.WORK, book.FORCE_WORK
-    pushed, leave, returned = book.pushed, book.leave, book.returned
+    tally, stored, add_impulses, Column = book.tally, book.stored, book.add_impulses, book.Column
+    begin_cycle, cycle_displacement = book.begin_cycle, book.cycle_displacement
     s = structure(effects)
     answer, record, enclosure_place = s.answer, s.record, s.enclosure_place
 
@@ -44,7 +46,7 @@ def stepper(effects):
         """All contact forces of a step, tallied, and the structure's answer.
 
         The step stands for ``h`` seconds and comes ``since`` seconds after the last one; the enclosure's place
-        advances over ``drift``.  Returns minus the enclosure's acceleration [m/s^2] and the row.
+        advances over ``drift`` seconds.  Returns minus the enclosure's acceleration [m/s^2] and the row.
         """
         pair_losses, largest = pair_forces(case, p, c, h, since)
         reaction = vec3()
@@ -53,7 +55,7 @@ def stepper(effects):
             reaction, wall_losses, wall_largest, on_floor, on_lid = wall_forces(case, p, c, h, since)
             largest = wp.max(largest, wall_largest)
             if wp.static(effects.indicators):
-                row = pushed(row, on_floor, on_lid, h)
+                row = add_impulses(row, on_floor, on_lid, h)
         cosine, sine = enclosure_phase(case, step)
         row = tally(case, row, pair_losses, wall_losses, largest, reaction, cosine, sine, h)
         if wp.static(effects.structure):
@@ -62,8 +64,8 @@ def stepper(effects):
             acceleration, force_work, loss = answer(case, mount, step, along, h, drift)
             if drift > real(0.0):
                 record(case, mount, step, place, acceleration, along)
-            row[FORCE_WORK] += force_work
-            row[FORCE_WORK + 1] += loss
+            row[Column.force_work] += force_work
+            row[Column.structure_loss] += loss
             return -acceleration * case.direction, row
         else:
             return case.acceleration * real(sine) * case.direction, row
@@ -77,8 +79,8 @@ def stepper(effects):
         mount: Mount,
         # in and out:
         steps: wp.array(dtype=wp.int64),
-        drifts: wp.array(dtype=vec3),
-        left: wp.array(dtype=vec3),
+        shifts: wp.array(dtype=vec3),
+        cycle_start: wp.array(dtype=vec3),
         tallies: wp.array(dtype=Row),
         # out:
         rows: wp.array(dtype=Row),
@@ -86,12 +88,13 @@ def stepper(effects):
     ):
         """Run each case until its target step or until its neighbour list is used up.
 
-        ``left`` holds where the particles were at the end of the last cycle, apart from them: it is seldom looked at.
+        ``cycle_start`` holds where the particles were at the end of the last cycle, apart from them: it is seldom
+        looked at.
         """
         n = wp.tid()
         case = cases[n]
         step = steps[n]
-        drift = drifts[n]
+        shift = shifts[n]
         row = tallies[n]
         limit2 = real(0.25) * case.skin * case.skin
         travel2 = real(0.0)
@@ -103,30 +106,30 @@ def stepper(effects):
                 since = real(0.0)
                 rows[case.first_row] = stored(case, p, c, mount, row, real(0.0))
                 if wp.static(effects.indicators):
-                    leave(case, p, left)
+                    begin_cycle(case, p, cycle_start)
 
             inertial, row = forces(case, p, c, mount, step, h, since, case.dt, row)
-            work, travel2, mean_velocity = integrate(case, p, inertial, h, drift)
-            row[WORK] += work
-            drift += case.dt * mean_velocity
+            work, travel2, mean_velocity = integrate(case, p, inertial, h, shift)
+            row[Column.work_input] += work
+            shift += case.dt * mean_velocity
             step += wp.int64(1)
             if wp.static(effects.guards):
                 if not wp.isfinite(wp.dot(mean_velocity, mean_velocity)):  # wp.max would drop a NaN: ask for it
                     travel2 = real(wp.inf)
-                    status[n] = _NOT_FINITE
+                    status[n] = NOT_FINITE
 
             if step % wp.int64(case.cycle) == wp.int64(0):
                 cycle = wp.int32(step / wp.int64(case.cycle))
                 if wp.static(effects.indicators):
-                    row = returned(case, p, left, row)
-                    leave(case, p, left)
+                    row = cycle_displacement(case, p, cycle_start, row)
+                    begin_cycle(case, p, cycle_start)
                 if cycle < case.rows:
                     rows[case.first_row + cycle] = stored(case, p, c, mount, row, real(0.5) * case.dt)
         if wp.static(effects.guards and effects.enclosure):
-            if status[n] == 0 and not contained(case, p):
-                status[n] = _ESCAPED
+            if status[n] == OK and not contained(case, p):
+                status[n] = ESCAPED
         steps[n] = step
-        drifts[n] = drift
+        shifts[n] = shift
         tallies[n] = row
 
     @wp.kernel(**UNIQUE)
@@ -147,7 +150,7 @@ def stepper(effects):
         if step > wp.int64(0):
             h = real(0.5) * case.dt
             inertial, row = forces(case, p, c, mount, step, h, case.dt, real(0.0), row)
-            row[WORK] += kick(case, p, inertial, h)
+            row[Column.work_input] += kick(case, p, inertial, h)
         tallies[n] = stored(case, p, c, mount, row, real(0.0))
 
     return advance, synchronise

@@ -36,7 +36,7 @@ import functools
 import warp as wp
 
 from .bounds import bounds
-from .data import types
+from .structs import types
 
 
 @functools.cache
@@ -173,7 +173,7 @@ def contact_law(effects):
             Its moment on i is R* normal x rolling_force.
         history : History
         losses : Losses [J]
-            In the order of ``data.LOSSES``, or their sum.
+            In the order of ``columns.LOSSES``, or their sum.
         """
         a = wp.sqrt(radius * overlap)
         normal_force = real(4.0 / 3.0) * law.modulus * a * overlap

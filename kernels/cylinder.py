@@ -11,10 +11,8 @@ import warp as wp
 
 from .bounds import bounds
 from .contact import contact_law
-from .data import types
-from .grains import grains
-
-SIDE, FLOOR, LID = wp.constant(0), wp.constant(1), wp.constant(2)
+from .particles import particles
+from .structs import FLOOR, LID, SIDE, WALLS, types
 
 
 @functools.cache
@@ -25,7 +23,7 @@ def wall_contacts(effects):
     Losses, Motion, History = t.Losses, t.Motion, t.History
     Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     contact, parted, elastic_energy, remembered_energy = contact_law(effects)
-    g = grains(effects)
+    g = particles(effects)
     radius_of, inverse_mass_of, law_of = g.radius_of, g.inverse_mass_of, g.wall_law
     wall_curvature, at_least = g.wall_curvature, bounds(real).at_least
 
@@ -85,7 +83,7 @@ def wall_contacts(effects):
             arm = radius + gap
             old = History()
             if wp.static(effects.history):
-                old = c.wall[3 * i + wall]
+                old = c.wall[WALLS * i + wall]
             f, rolling, history, lost = contact(
                 law_of(case, p, c, i),
                 radius,
@@ -100,12 +98,12 @@ def wall_contacts(effects):
             if wp.static(effects.rotation):
                 p[i].torque += arm * wp.cross(f, normal) + radius * wp.cross(normal, rolling)
             if wp.static(effects.history):
-                c.wall[3 * i + wall] = history
+                c.wall[WALLS * i + wall] = history
             depth = -gap * wall_curvature(case, p, i)
         elif wp.static(effects.history):
-            if c.wall[3 * i + wall].radius > real(0.0):
-                lost = parted(law_of(case, p, c, i), c.wall[3 * i + wall])
-                c.wall[3 * i + wall] = History()
+            if c.wall[WALLS * i + wall].radius > real(0.0):
+                lost = parted(law_of(case, p, c, i), c.wall[WALLS * i + wall])
+                c.wall[WALLS * i + wall] = History()
         return f, lost, depth
 
     @wp.func
@@ -146,13 +144,13 @@ def wall_contacts(effects):
         return reaction, losses, largest, on_floor, on_lid
 
     @wp.func
-    def one_wall_energy(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, gap: real):
+    def single_energy(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, gap: real):
         """Elastic energy (normal, tangential, rolling) [J] of one particle and one wall."""
         stored = wp.vec3d()
         if gap < real(0.0):
             stored[0] = wp.float64(elastic_energy(law_of(case, p, c, i), radius_of(case, p, i), -gap))
         if wp.static(effects.history):
-            tangential, rolling = remembered_energy(law_of(case, p, c, i), c.wall[3 * i + wall])
+            tangential, rolling = remembered_energy(law_of(case, p, c, i), c.wall[WALLS * i + wall])
             stored[1] = wp.float64(tangential)
             stored[2] = wp.float64(rolling)
         return stored
@@ -166,11 +164,11 @@ def wall_contacts(effects):
             radius = radius_of(case, p, i)
             if wp.static(effects.side):
                 gap, _normal = side_gap(case, x, radius)
-                stored += one_wall_energy(case, p, c, i, SIDE, gap)
+                stored += single_energy(case, p, c, i, SIDE, gap)
             if wp.static(effects.floor):
-                stored += one_wall_energy(case, p, c, i, FLOOR, x[2] - radius)
+                stored += single_energy(case, p, c, i, FLOOR, x[2] - radius)
             if wp.static(effects.lid):
-                stored += one_wall_energy(case, p, c, i, LID, case.height - x[2] - radius)
+                stored += single_energy(case, p, c, i, LID, case.height - x[2] - radius)
         return stored
 
     @wp.func

@@ -9,34 +9,32 @@ is an independent check of every run.
 """
 
 import functools
+from enum import IntEnum
 from types import SimpleNamespace
 
 import warp as wp
 
+from .columns import PLACES, columns, losses
 from .cylinder import wall_contacts
-from .data import columns, types
-from .grains import grains
 from .pairs import pair_contacts
+from .particles import particles
+from .structs import types
 from .structure import structure
 
 
 @functools.cache
 def ledger(effects):
-    """Return ``tally``, ``stored`` and the number of the column ``work_input`` for the given effects."""
+    """Return what fills the ledger's rows for the given effects, and the number of each ``Column``."""
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
     Case, Particle, Contacts, Mount = t.Case, t.Particle, t.Contacts, t.Mount
     modal_energy = structure(effects).modal_energy
-    at = {name: wp.constant(k) for k, name in enumerate(columns(effects))}
-    WORK, COSINE, SINE = at["work_input"], at["reaction_cosine"], at["reaction_sine"]
-    LARGEST, STORED = at["largest_overlap"], at["kinetic_translation"]
-    FLOOR_IMPULSE, LID_IMPULSE = at.get("floor_impulse"), at.get("lid_impulse")
-    DISPLACEMENT = at.get("displacement")
-    FORCE_WORK, ENERGY = at.get("force_work"), at.get("structure_energy")
-    CHANNELS = wp.constant(WORK // 2)
+    Column = IntEnum("Column", columns(effects), start=0)
+    LOSSES = wp.constant(len(losses(effects)))
+    PARTICLE_LOSSES, WALL_LOSSES = (wp.constant(int(Column[f"{place}_{losses(effects)[0]}"])) for place in PLACES)
     _, pair_energy = pair_contacts(effects)
     _, wall_energy, _ = wall_contacts(effects)
-    g = grains(effects)
+    g = particles(effects)
     inverse_mass_of, inverse_inertia_of = g.inverse_mass_of, g.inverse_inertia_of
 
     @wp.func
@@ -52,39 +50,39 @@ def ledger(effects):
         h: real,
     ):
         """Add what a step's contacts did: losses, deepest overlap, first harmonic of the reaction along the drive."""
-        for k in range(CHANNELS):
-            row[k] += pair_losses[k]
-            row[CHANNELS + k] += wall_losses[k]
+        for k in range(LOSSES):
+            row[PARTICLE_LOSSES + k] += pair_losses[k]
+            row[WALL_LOSSES + k] += wall_losses[k]
         along = wp.float64(wp.dot(reaction, case.direction) * h)
-        row[COSINE] += along * cosine
-        row[SINE] += along * sine
-        row[LARGEST] = wp.max(row[LARGEST], wp.float64(largest))
+        row[Column.reaction_cosine] += along * cosine
+        row[Column.reaction_sine] += along * sine
+        row[Column.largest_overlap] = wp.max(row[Column.largest_overlap], wp.float64(largest))
         return row
 
     @wp.func
-    def pushed(row: Row, on_floor: real, on_lid: real, h: real):
+    def add_impulses(row: Row, on_floor: real, on_lid: real, h: real):
         """Add the normal impulses on floor and lid."""
-        row[FLOOR_IMPULSE] += wp.float64(on_floor * h)
-        row[LID_IMPULSE] += wp.float64(on_lid * h)
+        row[Column.floor_impulse] += wp.float64(on_floor * h)
+        row[Column.lid_impulse] += wp.float64(on_lid * h)
         return row
 
     @wp.func
-    def leave(case: Case, p: wp.array(dtype=Particle), left: wp.array(dtype=vec3)):
+    def begin_cycle(case: Case, p: wp.array(dtype=Particle), cycle_start: wp.array(dtype=vec3)):
         """Begin a cycle: remember where every particle is."""
         for i in range(case.first, case.first + case.count):
-            left[i] = p[i].position
+            cycle_start[i] = p[i].position
 
     @wp.func
-    def returned(case: Case, p: wp.array(dtype=Particle), left: wp.array(dtype=vec3), row: Row):
+    def cycle_displacement(case: Case, p: wp.array(dtype=Particle), cycle_start: wp.array(dtype=vec3), row: Row):
         """End a cycle: how far the particles have moved from one another, root mean square."""
         common = wp.vec3d()
         square = wp.float64(0.0)
         for i in range(case.first, case.first + case.count):
-            moved = wp.vec3d(p[i].position - left[i])
+            moved = wp.vec3d(p[i].position - cycle_start[i])
             common += moved
             square += wp.dot(moved, moved)
         n = wp.float64(case.count)
-        row[DISPLACEMENT] = wp.sqrt(wp.max(square - wp.dot(common, common) / n, wp.float64(0.0)) / n)
+        row[Column.displacement] = wp.sqrt(wp.max(square - wp.dot(common, common) / n, wp.float64(0.0)) / n)
         return row
 
     @wp.func
@@ -113,18 +111,26 @@ def ledger(effects):
         elastic = pair_energy(case, p, c, offset)
         if wp.static(effects.enclosure):
             elastic += wall_energy(case, p, c, offset)
-        row[STORED] = translation
-        row[STORED + 1] = rotation
-        row[STORED + 2] = gravity
-        for k in range(3):
-            row[STORED + 3 + k] = elastic[k]
+        row[Column.kinetic_translation] = translation
+        row[Column.kinetic_rotation] = rotation
+        row[Column.gravity] = gravity
+        row[Column.elastic_normal] = elastic[0]
+        row[Column.elastic_tangential] = elastic[1]
+        row[Column.elastic_rolling] = elastic[2]
         if wp.static(effects.structure):
             energy, place, velocity = modal_energy(case, mount, offset)
             speed = wp.float64(velocity)
-            row[ENERGY] = energy
-            row[ENERGY + 1] = speed * momentum + wp.float64(0.5) * total * speed * speed - weight * wp.float64(place)
+            row[Column.structure_energy] = energy
+            row[Column.frame_energy] = (
+                speed * momentum + wp.float64(0.5) * total * speed * speed - weight * wp.float64(place)
+            )
         return row
 
     return SimpleNamespace(
-        tally=tally, pushed=pushed, leave=leave, returned=returned, stored=stored, WORK=WORK, FORCE_WORK=FORCE_WORK
+        tally=tally,
+        add_impulses=add_impulses,
+        begin_cycle=begin_cycle,
+        cycle_displacement=cycle_displacement,
+        stored=stored,
+        Column=Column,
     )

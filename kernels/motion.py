@@ -5,8 +5,8 @@ import functools
 import warp as wp
 
 from .bounds import bounds
-from .data import types
-from .grains import grains
+from .particles import particles
+from .structs import types
 
 
 @functools.cache
@@ -16,7 +16,7 @@ def motion(effects):
     real, vec3 = t.real, t.vec3
     Case, Particle = t.Case, t.Particle
     at_least = bounds(real).at_least
-    g = grains(effects)
+    g = particles(effects)
     inverse_mass_of, inverse_inertia_of = g.inverse_mass_of, g.inverse_inertia_of
 
     @wp.func
@@ -37,7 +37,7 @@ def motion(effects):
             return inertial
 
     @wp.func
-    def integrate(case: Case, p: wp.array(dtype=Particle), inertial: vec3, h: real, drift: vec3):
+    def integrate(case: Case, p: wp.array(dtype=Particle), inertial: vec3, h: real, shift: vec3):
         """Kick over ``h``, drift over dt, predict the velocities for the next step, and clear the forces.
 
         Leapfrog: half_velocity is exact at half steps; velocity = half_velocity + a dt / 2 is the prediction that the
@@ -47,7 +47,7 @@ def motion(effects):
         ----------
         inertial : vec3 [m/s^2]
             Minus the enclosure's acceleration.
-        drift : vec3 [m]
+        shift : vec3 [m]
             Any common displacement since the neighbour list was made.
 
         Returns
@@ -55,7 +55,7 @@ def motion(effects):
         work : float64 [J]
             Of the inertial force over ``h``.
         travel2 : real [m^2]
-            Largest square of a displacement, less ``drift``, since the list was made.
+            Largest square of a displacement, less ``shift``, since the list was made.
         mean_velocity : vec3 [m/s]
         """
         momentum = wp.vec3d()  # twice the mean of before and after
@@ -85,7 +85,7 @@ def motion(effects):
                     p[i].spin = spin + half * turning
 
             mean_velocity += after
-            moved = x - p[i].listed - drift
+            moved = x - p[i].listed - shift
             travel2 = at_least(wp.dot(moved, moved), travel2)
         work = wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
         return work, travel2, mean_velocity / real(case.count)

@@ -8,8 +8,9 @@ import functools
 
 import warp as wp
 
-from .data import UNIQUE, types
-from .grains import grains
+from .options import UNIQUE
+from .particles import particles
+from .structs import types
 
 
 @functools.cache
@@ -18,7 +19,7 @@ def neighbour_search(effects):
     t = types(effects)
     real, vec3 = t.real, t.vec3
     Case, Particle, History, Contacts = t.Case, t.Particle, t.History, t.Contacts
-    radius_of = grains(effects).radius_of
+    radius_of = particles(effects).radius_of
 
     @wp.func
     def near(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
@@ -77,7 +78,7 @@ def neighbour_search(effects):
         old: Contacts,
         # out:
         fresh: Contacts,
-        drifts: wp.array(dtype=vec3),
+        shifts: wp.array(dtype=vec3),
     ):
         """List them, and carry over what their contacts remember."""
         i = wp.tid()
@@ -106,6 +107,6 @@ def neighbour_search(effects):
                 if before >= 0:
                     fresh.pair[k] = old.pair[before]
         p[i].listed = p[i].position
-        drifts[group[i]] = vec3()
+        shifts[group[i]] = vec3()
 
     return count_pairs, list_pairs

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from .data import types
+from .structs import types
 
 
 @functools.cache

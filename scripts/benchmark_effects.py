@@ -29,7 +29,7 @@ from warpdamp.study.cost import SIMPLEST, TOGGLES, frozen, jammed_bed, moving, r
 
 ROOT = Path(__file__).parents[1]
 FULL = Effects()
-EXTRAS = ("rolling", "sizes", "materials")
+EXTRAS = tuple(name for name in TOGGLES if not getattr(FULL, name))
 LIMIT = 0.40
 
 

@@ -82,8 +82,25 @@ def test_forcing_and_covering():
         covering([Effects(), Effects(precision="float32")])
 
 
+def test_every_effect_can_be_told_off_and_on():
+    """The table of effects is what the fields, the toggles and the timings are made of."""
+    from warpdamp.config.damper import EffectsConfig
+    from warpdamp.scene.effects import EFFECTS, FORCIBLE
+    from warpdamp.study.cost import TOGGLES, without
+
+    assert [f.name for f in dataclasses.fields(Effects)] == [*EFFECTS, "precision"]
+    assert [*EffectsConfig.model_fields] == [*(name for name in FORCIBLE if name != "channels"), "ledger"]
+    everything = Effects(**dict.fromkeys(EFFECTS, True))
+    for name in TOGGLES:
+        less = without(everything, name)
+        assert less.rotation or not less.rolling
+        for other, effect in EFFECTS.items():
+            assert not getattr(less, other) or all(getattr(less, need) for need in effect.needs)
+        assert less != everything
+
+
 def test_what_is_off_has_no_array():
-    from warpdamp.kernels.data import types
+    from warpdamp.kernels.structs import types
 
     plain = types(
         Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False, indicators=False)
@@ -316,14 +333,17 @@ def test_states_of_mixtures_and_of_rolling_go_on_from_where_they_were_read(make_
     batch = Batch([Case(scene, state, 5e-7)])
     batch.advance(60_000)
     rested, _ = batch.read()[0]
-    assert np.any(rested.pair_roll)
-    assert np.any(rested.wall_roll)
+    assert np.any(rested.pair_history.roll)
+    assert np.any(rested.wall_history.roll)
     again = Batch([Case(scene, rested, 5e-7)]).read()[0][0]
-    for name in ("position", "velocity", "spin", "species", "wall_history", "wall_roll"):
+    for name in ("position", "velocity", "spin", "species"):
         np.testing.assert_array_equal(getattr(again, name), getattr(rested, name))
     order, back = (np.lexsort(s.pairs.T) for s in (again, rested))
-    np.testing.assert_array_equal(again.pair_roll[order], rested.pair_roll[back])
-    np.testing.assert_array_equal(again.pair_history[order], rested.pair_history[back])
+    for name in ("stretch", "radius", "roll"):
+        np.testing.assert_array_equal(getattr(again.wall_history, name), getattr(rested.wall_history, name))
+        np.testing.assert_array_equal(
+            getattr(again.pair_history[order], name), getattr(rested.pair_history[back], name)
+        )
 
 
 def test_a_large_bed_is_numbered_by_rows_and_reads_back_in_its_own_numbers(make_scene, monkeypatch):
@@ -344,7 +364,14 @@ def test_a_large_bed_is_numbered_by_rows_and_reads_back_in_its_own_numbers(make_
     np.testing.assert_allclose(curved.position, plain.position, atol=1e-11)
     assert curved_ledger.dissipated[0] == pytest.approx(ledger.dissipated[0], rel=1e-6)
     ours, theirs = (
-        {tuple(p): h for p, h in zip(s.pairs.tolist(), s.pair_history, strict=True)} for s in (plain, curved)
+        dict(
+            zip(
+                map(tuple, s.pairs.tolist()),
+                np.column_stack([s.pair_history.stretch, s.pair_history.radius]),
+                strict=True,
+            )
+        )
+        for s in (plain, curved)
     )
     assert ours.keys() == theirs.keys()
     assert len(ours) > 20

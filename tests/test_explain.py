@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import warpdamp
-from warpdamp import ConfigError, load
+from warpdamp import Batch, Case, ConfigError, Effects, State, load
 from warpdamp.config.build import grains, scene
+from warpdamp.engine.arrays import particle_bytes
 from warpdamp.study.explain import effects_of, explain
 from warpdamp.sweep.cases import Cases
 
@@ -118,3 +119,14 @@ def test_forced_effects_are_simulated_and_said(write):
     total = dataset["particle_total_loss"] + dataset["wall_total_loss"]
     np.testing.assert_allclose(total, dataset["energy_dissipated"], rtol=1e-9)
     assert np.isnan(dataset["clearance"]).all()  # an open cup has none
+
+
+@pytest.mark.parametrize(
+    "effects", [Effects(), Effects(friction=False, rotation=False, dashpots=False, indicators=False)]
+)
+def test_the_memory_of_a_particle_is_what_is_allocated(effects, damper, loose_positions):
+    batch = Batch([Case(damper(), State.at_rest(loose_positions(1), 3.73e-3), 1e-6)], effects=effects)
+    contacts = [getattr(batch._contacts, name) for name in batch._types.Contacts.vars]
+    arrays = [batch._particles, batch._group, batch._counts, batch._cycle_start, *contacts]
+    told = 120 * particle_bytes(batch._types, len(batch._contacts.partner) / 120)
+    assert told == sum(array.capacity for array in arrays) - 2 * 4  # two arrays of bounds have one more

@@ -57,16 +57,16 @@ def test_a_loose_bed_rests_holds_together_and_repeats(damper):
     path.unlink()
     again = prepare(Request(scene, PAPER, 5, "loose"))
     stored = prepare(Request(scene, PAPER, 5, "loose"))
-    for name in vars(bed.state):
-        assert np.array_equal(getattr(bed.state, name), getattr(again.state, name))
-        assert np.array_equal(getattr(bed.state, name), getattr(stored.state, name))
+    for name, array in bed.state.arrays().items():
+        assert np.array_equal(array, again.state.arrays()[name])
+        assert np.array_equal(array, stored.state.arrays()[name])
     assert again.clearance == stored.clearance == bed.clearance
 
 
 def test_a_jam_that_gains_energy_is_settled_at_a_finer_step(damper, caplog, monkeypatch):
     """Of 64 beds of the paper one met this on its way: spheres 30 and 89, each in many deep contacts."""
     with np.load(DATA / "jam.npz") as file:
-        jam = State(**file)
+        jam = State.from_arrays(dict(file))
     scene, coarse = damper(), Numerics(steps_per_contact=12.0)
     with caplog.at_level(logging.INFO, "warpdamp.damper.preparation"):
         rested = settle(scene, jam, coarse)

@@ -156,7 +156,9 @@ def test_failed_cases_are_values(small_config, monkeypatch):
     class Sabotaged(shaking.Batch):
         def __init__(self, *arguments, **options):
             super().__init__(*arguments, **options)
-            self._particles.numpy()["half_velocity"][-1] = np.nan
+            particles = self._particles.numpy().copy()
+            particles["half_velocity"][-1] = np.nan
+            self._particles.assign(particles)
 
     config = load(small_config)
     cases = Cases(config)

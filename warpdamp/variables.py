@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .engine.ledger import CHANNELS, TOTALS
+from .kernels.columns import CHANNELS, TOTALS
 from .status import Status
 
 if TYPE_CHECKING:

@@ -44,7 +44,7 @@ def shake(cases, steps: int, *, cycles: int = 0) -> tuple[float, Batch]:
 
 def contacts(state) -> float:
     """Contacts per particle, with others and with walls; one between two particles counts for both."""
-    return (2 * len(state.pairs) + int((state.wall_history[..., 3] > 0).sum())) / len(state)
+    return (2 * len(state.pairs) + int((state.wall_history.radius > 0).sum())) / len(state)
 
 
 @contextmanager

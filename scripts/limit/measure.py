@@ -48,7 +48,7 @@ def spent(library, scene, state, dt: float) -> float:
     c = contact_constants(scene.particle, scene.particle, scene.particle_contact)
     names = ("modulus", "shear_modulus", "normal_damping", "tangential_damping", "friction")
     constants = np.array([radius, radius / 2, mass / 2, *(c[name] for name in names), dt])
-    a, xi = state.pair_history[:n, 3].copy(), state.pair_history[:n, :3].copy()
+    a, xi = state.pair_history.radius[:n].copy(), state.pair_history.stretch[:n].copy()
     ledger = np.zeros(4)
     arrays = (first, second, particles, a, xi, constants, ledger)
     pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in arrays]

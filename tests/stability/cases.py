@@ -27,7 +27,7 @@ from warpdamp.damper.placement import separate
 from warpdamp.damper.preparation import settle
 from warpdamp.engine.checks import DEEPEST, LARGEST_RESIDUAL, residual_share
 from warpdamp.engine.ledger import Ledger
-from warpdamp.kernels import data
+from warpdamp.kernels.columns import KernelStatus
 from warpdamp.numerics.timestep import check_step, contact_step, steps_per_cycle
 from warpdamp.scene.effects import called_for
 
@@ -101,8 +101,8 @@ def attempt(s: Scene, state: State, *, cycles=2, dt=None, steps=None, precision=
 
 
 def judge(status, ledger, now, s) -> Outcome:
-    if status != data.OK:
-        words = {data.NOT_FINITE: "not finite", data.ESCAPED: "a particle left the cavity"}
+    if status != KernelStatus.OK:
+        words = {KernelStatus.NOT_FINITE: "not finite", KernelStatus.ESCAPED: "a particle left the cavity"}
         return Outcome(True, "stopped", flagged=words[int(status)])
     share, deepest = residual_share(ledger), float(ledger["largest_overlap"][-1])
     flagged = []
@@ -278,7 +278,9 @@ def bouncing(fine):
 
 
 def _nan(batch):
-    batch._particles.numpy()["half_velocity"][3, 1] = np.nan
+    particles = batch._particles.numpy().copy()
+    particles["half_velocity"][3, 1] = np.nan
+    batch._particles.assign(particles)
 
 
 hard("NaN planted in a state", "flagged")(lambda fine: attempt(shaken(), bed(40), cycles=1, plant=_nan))

@@ -7,7 +7,8 @@ import warp as wp
 
 from warpdamp import Effects
 from warpdamp.kernels.contact import contact_law
-from warpdamp.kernels.data import UNIQUE, types
+from warpdamp.kernels.options import UNIQUE
+from warpdamp.kernels.structs import types
 
 effects = Effects()
 t = types(effects)

@@ -6,8 +6,10 @@ import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, StrictInt, TypeAdapter, field_validator, model_validator
+from pydantic import BeforeValidator, Field, StrictInt, TypeAdapter, create_model, field_validator, model_validator
 
+from ..scene.effects import FORCIBLE
+from ..scene.scene import sphere_volume
 from .base import NOT_NEGATIVE as _not_negative
 from .base import POSITIVE as _positive
 from .base import Model
@@ -185,7 +187,7 @@ class DamperConfig(Model):
             raise ValueError(
                 f"particles.radius: particles of diameter {2e3 * radii.max():g} mm do not fit the cavity ({size})"
             )
-        volume = float(np.sum(4 / 3 * np.pi * radii**3))
+        volume = float(np.sum(sphere_volume(radii)))
         cavity = math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height
         densest = 0.74 if radii.min() == radii.max() else 1.0
         if volume > densest * cavity:
@@ -244,15 +246,14 @@ def _switch(value: Any) -> Any:
 Switch = Annotated[bool | None, BeforeValidator(_switch), Field(description="on, off, or auto")]
 
 
-class EffectsConfig(Model):
-    """Effects forced on or off, whatever the scene calls for."""
+_Switches = create_model(
+    "_Switches", __base__=Model, **{name: (Switch, None) for name in FORCIBLE if name != "channels"}
+)
 
-    friction: Switch = None
-    rotation: Switch = None
-    dashpots: Switch = None
-    rolling: Switch = None
-    gravity: Switch = None
-    indicators: Switch = None
+
+class EffectsConfig(_Switches):
+    """Effects forced on or off, whatever the scene calls for; ``ledger`` says it of the channels of losses."""
+
     ledger: Literal["channels", "totals"] = "channels"
 
     def forced(self) -> tuple[tuple[str, bool], ...]:

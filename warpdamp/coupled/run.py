@@ -15,7 +15,7 @@ from ..config.build import grains, particle_mass, scene
 from ..damper.case import Request
 from ..damper.preparation import prepare
 from ..engine import checks as guards
-from ..kernels.data import OK
+from ..kernels.columns import KernelStatus
 from ..numerics.timestep import Numerics, contact_step
 from ..scene.scene import STANDARD_GRAVITY, Drive, Force, Mount, Scene
 from . import forces
@@ -112,7 +112,7 @@ def advance(run: Run) -> dict:
     started = time.process_time()
     batch.advance(run.steps)
     spent = time.process_time() - started
-    if batch.status[0] != OK:
+    if batch.status[0] != KernelStatus.OK:
         raise guards.SimulationError(
             f"the run of seed {run.bed.seed} broke off at step {batch.steps[0]}: raise numerics.steps_per_contact, or "
             "lower the force"

@@ -8,13 +8,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..errors import PackingError
-from ..scene.scene import Cylinder
+from ..scene.scene import Cylinder, sphere_volume
 from .case import GROWN
 
 
 def fill(radius, enclosure: Cylinder) -> float:
     """Volume of the particles over the cavity's."""
-    return float(np.sum(4 / 3 * np.pi * np.asarray(radius) ** 3)) / enclosure.volume
+    return float(np.sum(sphere_volume(radius))) / enclosure.volume
 
 
 def separate(radius, enclosure: Cylinder, seed: int) -> np.ndarray:

@@ -33,7 +33,7 @@ from ..engine.checks import LARGEST_RESIDUAL, residual_share
 from ..engine.ledger import Ledger
 from ..errors import PackingError
 from ..files import cache_folder, keep, locked
-from ..kernels.data import OK
+from ..kernels.columns import KernelStatus
 from ..numerics.timestep import Numerics, contact_step, steps_per_cycle
 from ..scene.effects import Effects
 from ..scene.particles import State
@@ -89,7 +89,7 @@ def prepare(request: Request) -> Packing:
         if (stored := _stored(path)) is None:
             stored = _make(request)
             content = io.BytesIO()
-            np.savez(content, clearance=stored.clearance, blocks=stored.blocks, **vars(stored.state))
+            np.savez(content, clearance=stored.clearance, blocks=stored.blocks, **stored.state.arrays())
             keep(path, content.getvalue())
     return stored
 
@@ -100,7 +100,7 @@ def _stored(path: Path) -> Packing | None:
         with np.load(path) as file:
             values = dict(file)
         return Packing(
-            clearance=float(values.pop("clearance")), blocks=int(values.pop("blocks")), state=State(**values)
+            clearance=float(values.pop("clearance")), blocks=int(values.pop("blocks")), state=State.from_arrays(values)
         )
     except FileNotFoundError:
         return None
@@ -225,7 +225,7 @@ def _run(batch: Batch, steps: int) -> None:
     before = batch.read()[0][1]
     batch.advance(steps)
     ledger = Ledger(np.concatenate([before.rows, batch.read()[0][1].rows]), before.effects)
-    if batch.status[0] != OK or residual_share(ledger) > LARGEST_RESIDUAL:
+    if batch.status[0] != KernelStatus.OK or residual_share(ledger) > LARGEST_RESIDUAL:
         raise _OutOfBalance(
             "the bed gained energy from nowhere while it was prepared: raise numerics.steps_per_contact "
             "or take numerics.precision float64",

@@ -11,7 +11,7 @@ import numpy as np
 from ..engine.batch import Batch, Case
 from ..engine.checks import DEEPEST, LARGEST_RESIDUAL
 from ..engine.ledger import Ledger, apparent_mass, harmonic_work, maximum_energy
-from ..kernels.data import ESCAPED, NOT_FINITE, OK
+from ..kernels.columns import KernelStatus
 from ..numerics.steady import Steady, steady
 from ..numerics.tolerance import RESIDUAL_FACTOR, SMALLEST_EFFECTIVENESS, bed_memory, single_interval
 from ..scene.effects import Effects
@@ -75,14 +75,14 @@ def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
     for k, value in enumerate(averages):
         value["cpu_time"] = float(cpu[k])
     if read:  # a case that failed leaves the next amplitude the bed that it started from itself
-        good = batch.status == OK
+        good = batch.status == KernelStatus.OK
         states = [now if ok else before for (now, _), ok, before in zip(batch.read(), good, states, strict=True)]
     return averages, states
 
 
 def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) -> dict | None:
     """The averages of a case, or None if it has to go on."""
-    if batch.status[k] != OK:
+    if batch.status[k] != KernelStatus.OK:
         return {"status": int(_FAILURES[batch.status[k]]), "cycles": cycles, "steps": int(batch.steps[k])}
     ledger = batch.cycles(k)
     drive = spec.scene.drive
@@ -115,7 +115,7 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
     }
 
 
-_FAILURES = {NOT_FINITE: Status.NOT_FINITE, ESCAPED: Status.ESCAPED}
+_FAILURES = {KernelStatus.NOT_FINITE: Status.NOT_FINITE, KernelStatus.ESCAPED: Status.ESCAPED}
 
 
 def _status(values: dict, average: Steady, precise: bool) -> Status:

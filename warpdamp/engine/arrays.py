@@ -11,7 +11,9 @@ from collections.abc import Iterator
 import numpy as np
 import warp as wp
 
+from ..kernels.structs import PER_PAIR, PER_PARTICLE, WALLS
 from ..scene.particles import State
+from ..scene.scene import ContactHistory, inverse_sphere_inertia
 from .device import DEVICE
 
 FEWEST_ORDERED = 1000
@@ -34,17 +36,35 @@ def numbering(position: np.ndarray) -> np.ndarray:
     return np.lexsort((cell[:, 0], cell[:, 1], cell[:, 2])).astype(np.int32)
 
 
+def particle_bytes(types, pairs: float) -> float:
+    """Memory on the device that a particle takes with so many pairs of the neighbour list [bytes].
+
+    Parameters
+    ----------
+    types : structs of the device, see ``kernels.structs.types``
+    pairs : listed pairs over particles
+    """
+    size = {name: wp.types.type_size_in_bytes(array.type.dtype) for name, array in types.Contacts.vars.items()}
+    contacts = sum(count * size.get(name, 0) for name, count in PER_PARTICLE.items())
+    lists = pairs * sum(size.get(name, 0) for name in PER_PAIR)
+    numbers = 2 * wp.types.type_size_in_bytes(wp.int32)  # of its case, and of its partners
+    start = wp.types.type_size_in_bytes(types.vec3) if "displacement" in types.columns else 0
+    return types.Particle.numpy_dtype()["itemsize"] + contacts + lists + numbers + start
+
+
 class Transfer:
     """Where the particles of a batch's cases lie in its arrays.
 
     Parameters
     ----------
-    types : structs of the device, see ``kernels.data.types``
+    types : structs of the device, see ``kernels.structs.types``
     states : list of State
+    device : where the arrays lie
     """
 
-    def __init__(self, types, states: list[State]):
+    def __init__(self, types, states: list[State], device: str = DEVICE):
         self.types = types
+        self.device = device
         self.states = states
         self.first = np.concatenate([[0], np.cumsum([len(s) for s in states])]).astype(np.int32)
         self.order = [numbering(s.position) for s in states]
@@ -53,50 +73,47 @@ class Transfer:
         return int(self.first[-1])
 
     def array(self, values, dtype) -> wp.array:
-        """On the device."""
-        return wp.array(np.ascontiguousarray(values), dtype=dtype, device=DEVICE)
+        """Values on the device; there they may lie where they lie now, so that a large bed is not copied."""
+        return wp.array(np.ascontiguousarray(values), dtype=dtype, device=self.device, copy=False)
 
     def _set(self, column: np.ndarray, values: list[np.ndarray]) -> None:
         """Fill a column of the device, one array a case, in the device's order."""
-        for first, own, order in zip(self.first, values, self.order, strict=False):
-            column[first : first + len(order)] = own[order]
+        for first, given, order in zip(self.first, values, self.order, strict=False):
+            column[first : first + len(order)] = given[order]
 
     def particles(self, masses: list[np.ndarray]) -> wp.array:
         """The array of particles, of the given ``masses`` in each case [kg]."""
-        particles = wp.zeros(len(self), dtype=self.types.Particle, device=DEVICE)
-        columns = particles.numpy()  # the device's own memory: large beds are not copied
+        particles = np.zeros(len(self), dtype=self.types.Particle.numpy_dtype())
         radius = [s.radius for s in self.states]
-        for name in columns.dtype.names:
+        for name in particles.dtype.names:
             if name == "inverse_mass":
-                own = [1 / m for m in masses]
+                values = [1 / m for m in masses]
             elif name == "inverse_inertia":
-                own = [2.5 / (m * r**2) for m, r in zip(masses, radius, strict=True)]
+                values = [inverse_sphere_inertia(m, r) for m, r in zip(masses, radius, strict=True)]
             elif name in ("force", "torque", "listed"):
                 continue
             else:
-                own = [getattr(s, name.removeprefix("half_")) for s in self.states]
-            self._set(columns[name], own)
-        return particles
+                values = [getattr(s, name.removeprefix("half_")) for s in self.states]
+            self._set(particles[name], values)
+        return self.array(particles, self.types.Particle)
 
     def contacts(self, laws: dict[str, list]):
         """The struct of contacts that the states remember, with tables of ``laws``."""
         numbered = [_numbered(s, order) for s, order in zip(self.states, self.order, strict=True)]
-        pairs = np.concatenate([p + first for (p, _, _), first in zip(numbered, self.first[:-1], strict=True)])
+        pairs = np.concatenate([p + first for (p, _), first in zip(numbered, self.first[:-1], strict=True)])
         start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(self)))])
         c = self.types.Contacts()
-        c.start, c.partner = self.array(start, wp.int32), self.array(pairs[:, 1], wp.int32)
+        c.start, c.partner = self.array(start.astype(np.int32), wp.int32), self.array(pairs[:, 1], wp.int32)
         known = self.types.Contacts.vars
         for name in known.keys() & laws.keys():
-            setattr(c, name, wp.array(laws[name], dtype=self.types.Law, device=DEVICE))
+            setattr(c, name, wp.array(laws[name], dtype=self.types.Law, device=self.device))
         if "pair" in known:
-            c.pair = wp.zeros(len(pairs), dtype=self.types.History, device=DEVICE)
-            c.wall = wp.zeros(3 * len(self), dtype=self.types.History, device=DEVICE)
-            pair, wall = c.pair.numpy(), c.wall.numpy().reshape(len(self), 3)
-            of_pairs = _columns(*(np.concatenate([own[k] for own in numbered]) for k in (1, 2)))
-            of_walls = [_columns(s.wall_history, s.wall_roll) for s in self.states]
+            dtype = self.types.History.numpy_dtype()
+            pair, wall = np.zeros(len(pairs), dtype), np.zeros((len(self), WALLS), dtype)
             for name in pair.dtype.names:
-                pair[name] = of_pairs[name]
-                self._set(wall[name], [own[name] for own in of_walls])
+                pair[name] = np.concatenate([getattr(history, name) for _, history in numbered])
+                self._set(wall[name], [getattr(s.wall_history, name) for s in self.states])
+            c.pair, c.wall = (self.array(memory.ravel(), self.types.History) for memory in (pair, wall))
         return c
 
     def listed(self, k: int, contacts, part: int = 10_000) -> Iterator[np.ndarray]:
@@ -111,17 +128,16 @@ class Transfer:
     def state(self, k: int, particles, contacts) -> State:
         """State of case ``k``; what no effect asks for stays as it was at the start."""
         before, first, last = self.states[k], self.first[k], self.first[k + 1]
-        n = last - first
         back = np.argsort(self.order[k])
-        own = particles.numpy()[first:last]
+        now = particles.numpy()[first:last]
 
         def of_particles(name, start):
-            return own[name][back].astype(float, copy=False) if name in own.dtype.names else start.copy()
+            return now[name][back].astype(float, copy=False) if name in now.dtype.names else start.copy()
 
-        wall_history, wall_roll = np.zeros((n, 3, 4)), np.zeros((n, 3, 3))
+        wall_history = None
         if "wall" in self.types.Contacts.vars:
-            walls = contacts.wall.numpy()[3 * first : 3 * last].reshape(n, 3)
-            wall_history, wall_roll = _recalled(walls, back)
+            walls = contacts.wall.numpy()[WALLS * first : WALLS * last].reshape(last - first, WALLS)
+            wall_history = _recalled(walls, back)
         return State(
             position=of_particles("position", before.position),
             velocity=of_particles("half_velocity", before.velocity),
@@ -129,52 +145,36 @@ class Transfer:
             radius=before.radius.copy(),
             species=before.species.copy(),
             wall_history=wall_history,
-            wall_roll=wall_roll,
             **self._touching(k, contacts),
         )
 
-    def _touching(self, k: int, contacts) -> dict[str, np.ndarray]:
+    def _touching(self, k: int, contacts) -> dict:
         """The pairs of case ``k`` that touch, and what they remember."""
         if "pair" not in self.types.Contacts.vars:
-            return {"pairs": np.zeros((0, 2), np.int32), "pair_history": np.zeros((0, 4))}
+            return {}
         first, last = self.first[k], self.first[k + 1]
         start = contacts.start.numpy()[first : last + 1]
         memory = contacts.pair.numpy()
         rows = start[0] + np.flatnonzero(memory["radius"][start[0] : start[-1]] > 0)
         owner = np.searchsorted(start, rows, side="right") - 1
         pairs = self.order[k][np.stack([owner, contacts.partner.numpy()[rows] - first], axis=1)]
-        turned = _orientation(pairs)
-        history, roll = _recalled(memory, rows)
-        history[:, :3] *= turned
-        return {"pairs": np.sort(pairs, axis=1), "pair_history": history, "pair_roll": turned * roll}
+        history = _recalled(memory, rows).seen_from_the_other(pairs[:, 0] > pairs[:, 1])
+        return {"pairs": np.sort(pairs, axis=1), "pair_history": history}
 
 
-def _columns(history: np.ndarray, roll: np.ndarray) -> dict[str, np.ndarray]:
-    """Views of a state's (..., 4) histories and (..., 3) rolls, by their names on the device."""
-    return {"radius": history[..., 3], "stretch": history[..., :3], "roll": roll}
-
-
-def _recalled(memory: np.ndarray, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Histories and rolls of a state from the device's ``memory`` of contacts, in an order."""
-    shape = (len(order), *memory.shape[1:])
-    history, roll = np.zeros((*shape, 4)), np.zeros((*shape, 3))
-    columns = _columns(history, roll)
+def _recalled(memory: np.ndarray, order: np.ndarray) -> ContactHistory:
+    """What contacts remember, from the device's ``memory`` of them, in an order."""
+    history = ContactHistory.none(len(order), *memory.shape[1:])
     for name in memory.dtype.names:  # one after the other: large beds are not copied whole
-        columns[name][...] = memory[name][order]
-    return history, roll
+        getattr(history, name)[...] = memory[name][order]
+    return history
 
 
-def _numbered(state: State, order: np.ndarray):
-    """The contacts of a state in the device's numbers and order: pairs, histories, rolls."""
+def _numbered(state: State, order: np.ndarray) -> tuple[np.ndarray, ContactHistory]:
+    """The contacts of a state in the device's numbers and order: pairs and histories."""
     number = np.argsort(order)
     pairs = number[state.pairs]
-    turned = _orientation(pairs)
-    history = state.pair_history * np.concatenate([turned, turned, turned, np.ones_like(turned)], axis=1)
-    pairs, roll = np.sort(pairs, axis=1), turned * state.pair_roll
+    history = state.pair_history.seen_from_the_other(pairs[:, 0] > pairs[:, 1])
+    pairs = np.sort(pairs, axis=1)
     rows = np.lexsort((pairs[:, 1], pairs[:, 0]))
-    return pairs[rows], history[rows], roll[rows]
-
-
-def _orientation(pairs: np.ndarray) -> np.ndarray:
-    """-1 where the first of a pair comes second, (m, 1): a stretch is seen from the first."""
-    return np.where(pairs[:, :1] > pairs[:, 1:], -1.0, 1.0)
+    return pairs[rows], history[rows]

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from ..kernels import data
 from ..kernels.advance import stepper
+from ..kernels.columns import KernelStatus
 from ..kernels.neighbours import neighbour_search
+from ..kernels.structs import PER_PAIR, types
 from ..numerics.timestep import check_step
 from ..scene.contact import contact_constants
 from ..scene.effects import Effects, called_for, covering
 from ..scene.particles import State
-from ..scene.scene import Scene
+from ..scene.scene import Scene, inverse_sphere_inertia
 from . import checks as guards
 from .arrays import Transfer
 from .device import DEVICE
@@ -69,9 +70,6 @@ class Case:
         object.__setattr__(self, "steps_per_cycle", steps)
 
 
-_WENT_WRONG = {data.NOT_FINITE: "the state is not finite", data.ESCAPED: "a particle has left the cavity"}
-
-
 class Batch:
     """Cases that advance together.  Each gives the same bits as alone with the same effects.
 
@@ -86,6 +84,8 @@ class Batch:
         What the kernels are compiled for.  None: all that the cases call for.
     skin : float
         Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results.
+    device : str
+        Where the batch runs.
     """
 
     def __init__(
@@ -96,42 +96,43 @@ class Batch:
         max_records: int = 0,
         effects: Effects | None = None,
         skin: float = SKIN,
+        device: str = DEVICE,
     ):
         self.cases = list(cases)
         for case in self.cases:
             guards.check_values(case.state)
         self.effects = effects or covering([called_for(case.scene, case.state) for case in self.cases])
-        t = data.types(self.effects)
-        self._types = t
+        t = types(self.effects)
+        self._types, self._device = t, device
         self._advance, self._synchronise = stepper(self.effects)
         self._count_pairs, self._list_pairs = neighbour_search(self.effects)
 
-        self._transfer = Transfer(t, [case.state for case in self.cases])
+        self._transfer = Transfer(t, [case.state for case in self.cases], device)
         self._max_rows, self._max_records, self._skin = max_rows, max_records, skin
         n, m = len(self._transfer), len(self.cases)
         counts = [len(case.state) for case in self.cases]
 
         laws: dict[str, list] = {"laws": [], "wall_laws": []}
         mounts = Mounts()
-        self._constants = wp.array([self._device_case(k, laws, mounts) for k in range(m)], dtype=t.Case, device=DEVICE)
-        self._mount = mounts.on_device(t)
-        self._group = wp.array(np.repeat(np.arange(m, dtype=np.int32), counts), device=DEVICE)
+        self._constants = wp.array([self._device_case(k, laws, mounts) for k in range(m)], dtype=t.Case, device=device)
+        self._mount = mounts.on_device(t, device)
+        self._group = wp.array(np.repeat(np.arange(m, dtype=np.int32), counts), device=device)
         self._particles = self._transfer.particles([c.scene.masses(c.state) for c in self.cases])
         self._contacts = self._transfer.contacts(laws)
-        self._steps = wp.zeros(m, dtype=wp.int64, device=DEVICE)
-        self._target = wp.zeros(m, dtype=wp.int64, device=DEVICE)
-        self._drifts = wp.zeros(m, dtype=t.vec3, device=DEVICE)
-        self._left = wp.zeros(n if self.effects.indicators else 0, dtype=t.vec3, device=DEVICE)
-        self._tallies = wp.zeros(m, dtype=t.Row, device=DEVICE)
-        self._rows = wp.full(m * max_rows, t.Row(math.nan), dtype=t.Row, device=DEVICE)
-        self._status = wp.zeros(m, dtype=wp.int32, device=DEVICE)
-        self._waiting = wp.zeros(m, dtype=wp.int32, device=DEVICE)
-        self._counts = wp.zeros(n + 1, dtype=wp.int32, device=DEVICE)
+        self._steps = wp.zeros(m, dtype=wp.int64, device=device)
+        self._target = wp.zeros(m, dtype=wp.int64, device=device)
+        self._shifts = wp.zeros(m, dtype=t.vec3, device=device)
+        self._cycle_start = wp.zeros(n if self.effects.indicators else 0, dtype=t.vec3, device=device)
+        self._tallies = wp.zeros(m, dtype=t.Row, device=device)
+        self._rows = wp.full(m * max_rows, t.Row(math.nan), dtype=t.Row, device=device)
+        self._status = wp.zeros(m, dtype=wp.int32, device=device)
+        self._waiting = wp.zeros(m, dtype=wp.int32, device=device)
+        self._counts = wp.zeros(n + 1, dtype=wp.int32, device=device)
 
-        self._largest_radius = max(float(np.max(c.state.radius)) for c in self.cases)
+        self._largest_radius = max(float(np.max(c.state.bounding_radius)) for c in self.cases)
         self._cell = 2 * self._largest_radius * (1 + skin)
         side = int(np.clip(2 * np.ceil(np.cbrt(max(counts))), 8, 128))
-        self._grid = wp.HashGrid(side, side, side, device=DEVICE, dtype=self.effects.real)
+        self._grid = wp.HashGrid(side, side, side, device=device, dtype=self.effects.real)
         self._check_overlaps()
 
     def _device_case(self, k: int, laws: dict[str, list], mounts: Mounts):
@@ -147,15 +148,15 @@ class Batch:
             "rows": self._max_rows,
             "cycle": case.steps_per_cycle or _NEVER,
             "dt": case.dt,
-            "skin": self._skin * float(np.min(state.radius)),
+            "skin": self._skin * float(np.min(state.bounding_radius)),
             "gravity": t.vec3(*scene.gravity),
             "direction": t.vec3(*(moved.direction if moved else (0.0, 0.0, 1.0))),
             "acceleration": drive.acceleration if drive else 0.0,
             **mounts.add(scene.mount, case.dt, self._max_records),
-            "grain_radius": radius,
-            "grain_curvature": 1 / radius,
+            "particle_radius": radius,
+            "particle_curvature": 1 / radius,
             "inverse_mass": 1 / mass,
-            "inverse_inertia": 2.5 / (mass * radius**2),
+            "inverse_inertia": inverse_sphere_inertia(mass, radius),
         }
         if scene.enclosure:
             values |= {"radius": scene.enclosure.diameter / 2, "height": scene.enclosure.height}
@@ -171,7 +172,7 @@ class Batch:
         if not self.effects.materials:
             only = scene.materials[0]
             return {
-                "grain_law": self._law(only, only, scene.pair_surface(0, 0)),
+                "particle_law": self._law(only, only, scene.pair_surface(0, 0)),
                 "wall_law": self._law(only, scene.wall, scene.wall_surface(0)),
             }
         first = {"species": len(every), "first_law": len(laws["laws"]), "first_wall_law": len(laws["wall_laws"])}
@@ -193,20 +194,20 @@ class Batch:
         """List the neighbours of every case that is ``waiting`` for it anew."""
         t, p, old = self._types, self._particles, self._contacts
         n = len(self._transfer)
-        self._waiting.assign(np.broadcast_to(np.asarray(waiting, np.int32), len(self.cases)).copy())
+        self._waiting.assign(np.broadcast_to(np.asarray(waiting, np.int32), len(self.cases)))
         self._grid.build(self._positions(), self._cell, groups=self._group)
         search = [self._grid.id, self._constants, self._group, self._waiting, self._largest_radius, p, old]
-        wp.launch(self._count_pairs, n, [*search, self._counts], device=DEVICE)
+        wp.launch(self._count_pairs, n, [*search, self._counts], device=self._device)
         fresh = t.Contacts()
-        fresh.start = wp.empty(n + 1, dtype=wp.int32, device=DEVICE)
+        fresh.start = wp.empty(n + 1, dtype=wp.int32, device=self._device)
         wp.utils.array_scan(self._counts, fresh.start, inclusive=False)
         total = int(fresh.start.numpy()[-1])
         for name, variable in t.Contacts.vars.items():
-            if name in ("partner", "pair"):
-                setattr(fresh, name, wp.empty(total, dtype=variable.type.dtype, device=DEVICE))
+            if name in PER_PAIR:
+                setattr(fresh, name, wp.empty(total, dtype=variable.type.dtype, device=self._device))
             elif name != "start":
                 setattr(fresh, name, getattr(old, name))
-        wp.launch(self._list_pairs, n, [*search, fresh, self._drifts], device=DEVICE)
+        wp.launch(self._list_pairs, n, [*search, fresh, self._shifts], device=self._device)
         self._contacts = fresh
 
     def _positions(self) -> wp.array:
@@ -218,7 +219,7 @@ class Batch:
             dtype=self._types.vec3,
             shape=p.shape,
             strides=p.strides,
-            device=DEVICE,
+            device=self._device,
         )
         return view.contiguous()
 
@@ -234,7 +235,7 @@ class Batch:
 
     @property
     def status(self) -> np.ndarray:
-        """``OK``, ``NOT_FINITE`` or ``ESCAPED`` of ``kernels.data`` for each case."""
+        """How each case stands, as numbers of ``kernels.columns.KernelStatus``."""
         return self._status.numpy().copy()
 
     def advance(self, steps) -> None:
@@ -242,19 +243,17 @@ class Batch:
 
         A case whose state is no longer finite, or that has lost a particle, stops where it is; see ``status``.
         """
-        self._target.assign(np.broadcast_to(np.asarray(steps, np.int64), len(self.cases)).copy())
-        done, target, status = self._steps.numpy(), self._target.numpy(), self._status.numpy()
-        target[status != data.OK] = done[status != data.OK]
-        while np.any(done < target):
-            self._find_neighbours(done < target)
+        target = np.broadcast_to(np.asarray(steps, np.int64), len(self.cases))
+        while np.any(waiting := (self.steps < target) & (self.status == KernelStatus.OK)):
+            self._target.assign(np.where(waiting, target, 0))
+            self._find_neighbours(waiting)
             wp.launch(
                 self._advance,
                 len(self.cases),
                 [self._constants, self._target, self._particles, self._contacts, self._mount]
-                + [self._steps, self._drifts, self._left, self._tallies, self._rows, self._status],
-                device=DEVICE,
+                + [self._steps, self._shifts, self._cycle_start, self._tallies, self._rows, self._status],
+                device=self._device,
             )
-            target[status != data.OK] = done[status != data.OK]
 
     def cycles(self, k: int) -> Ledger:
         """Ledger of case ``k`` at its start and at the end of each cycle so far."""
@@ -283,8 +282,8 @@ class Batch:
         """Go back to a ``checkpoint``."""
         pairs = checkpoint["partner"].shape[0]
         for name, variable in self._types.Contacts.vars.items():
-            if name in ("partner", "pair"):
-                setattr(self._contacts, name, wp.empty(pairs, dtype=variable.type.dtype, device=DEVICE))
+            if name in PER_PAIR:
+                setattr(self._contacts, name, wp.empty(pairs, dtype=variable.type.dtype, device=self._device))
         for name, array in self._changing().items():
             array.assign(checkpoint[name])
 
@@ -295,8 +294,8 @@ class Batch:
             **mount,
             "particles": self._particles,
             "steps": self._steps,
-            "drifts": self._drifts,
-            "left": self._left,
+            "shifts": self._shifts,
+            "cycle_start": self._cycle_start,
             "tallies": self._tallies,
             "rows": self._rows,
             "status": self._status,
@@ -321,7 +320,7 @@ class Batch:
             self._synchronise,
             len(self.cases),
             [self._constants, self._steps, copy_p, copy_c, copy_m, tallies],
-            device=DEVICE,
+            device=self._device,
         )
         rows = tallies.numpy()
         return [
@@ -340,6 +339,8 @@ class Simulation(Batch):
     dt : step [s]
     effects : Effects or None
         What the kernels are compiled for.  None: what the scene calls for.
+    device : str
+        Where the simulation runs.
 
     Raises
     ------
@@ -355,10 +356,10 @@ class Simulation(Batch):
     >>> state, ledger = simulation.read()
     """
 
-    def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None):
+    def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None, device: str = DEVICE):
         guards.check_values(state)
         check_step(scene, state, dt)
-        super().__init__([Case(scene, state, dt)], effects=effects)
+        super().__init__([Case(scene, state, dt)], effects=effects, device=device)
         self._start = super().read()[0][1].rows
 
     def advance(self, steps: int) -> None:
@@ -371,10 +372,10 @@ class Simulation(Batch):
             or the energy ledger does not close.
         """
         super().advance(int(self.steps[0]) + steps)
-        if self.status[0] != data.OK:
+        if self.status[0] != KernelStatus.OK:
             _, ledger = super().read()[0]
             raise guards.SimulationError(
-                f"{_WENT_WRONG[int(self.status[0])]} by step {self.steps[0]} (largest overlap so far "
+                f"{KernelStatus(self.status[0]).sentence} by step {self.steps[0]} (largest overlap so far "
                 f"{ledger['largest_overlap'][0]:.2g} of the reduced radius): take a step below {self.cases[0].dt:.3g} s"
             )
         _, ledger = self.read()

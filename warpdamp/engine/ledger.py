@@ -7,15 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..kernels.data import LOSSES, STORES, columns
+from ..kernels.columns import STORES, columns, loss_columns
 from ..scene.effects import Effects
 from ..scene.scene import Drive
-
-CHANNELS = tuple(f"{where}_{name}" for where in ("particle", "wall") for name in LOSSES)
-"""Where energy is lost: between particles or at the walls, by each of ``LOSSES``."""
-
-TOTALS = ("particle_total", "wall_total")
-"""The same where the ledger keeps no channels."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +19,7 @@ class Ledger:
     Parameters
     ----------
     rows : (moments, columns) array
-        See ``warpdamp.kernels.data.columns``.
+        See ``warpdamp.kernels.columns.columns``.
     effects : Effects
         They say which columns there are.
     """
@@ -39,7 +33,7 @@ class Ledger:
     @property
     def losses(self) -> tuple[str, ...]:
         """Names of the columns of losses."""
-        return CHANNELS if self.effects.channels else TOTALS
+        return loss_columns(self.effects)
 
     def total(self, names) -> np.ndarray:
         """Sum of the named columns at every moment."""

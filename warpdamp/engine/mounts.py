@@ -50,15 +50,15 @@ class Mounts:
             "records": most_records if mount.record else 0,
         }
 
-    def on_device(self, types):
-        """The device's Mount of all cases."""
-        device = types.Mount()
-        device.count = len(self.modes)
+    def on_device(self, types, device: str = DEVICE):
+        """Mount of all cases on the device."""
+        mount = types.Mount()
+        mount.count = len(self.modes)
         if "modes" in types.Mount.vars:
             modes = np.zeros(len(self.modes), dtype=types.Mode.numpy_dtype())
             for name in modes.dtype.names:
                 modes[name] = [mode[name] for mode in self.modes]
-            device.modes = wp.array(modes, dtype=types.Mode, device=DEVICE)
-            device.force = wp.array(self.force or [0.0], dtype=types.real, device=DEVICE)
-            device.records = wp.full(max(1, self.records), wp.vec3d(math.nan), dtype=wp.vec3d, device=DEVICE)
-        return device
+            mount.modes = wp.array(modes, dtype=types.Mode, device=device)
+            mount.force = wp.array(self.force or [0.0], dtype=types.real, device=device)
+            mount.records = wp.full(max(1, self.records), wp.vec3d(math.nan), dtype=wp.vec3d, device=device)
+        return mount

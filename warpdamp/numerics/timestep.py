@@ -10,7 +10,7 @@ import numpy as np
 from ..scene.contact import contact_constants, dashpot
 from ..scene.effects import Effects, Precision, called_for
 from ..scene.particles import State
-from ..scene.scene import Scene
+from ..scene.scene import Scene, sphere_volume
 
 STEPS_PER_CONTACT = 24
 """A bed's ledger then closes to half a percent (docs/acceptance.md)."""
@@ -64,7 +64,7 @@ def expected_speed(scene: Scene, radius) -> float:
     driven = 2 * scene.drive.speed if scene.drive else 2 * scene.mount.speed if scene.mount else 0.0
     if scene.enclosure is None:
         return driven
-    fill = np.sum(4 / 3 * np.pi * np.asarray(radius) ** 3) / scene.enclosure.volume
+    fill = np.sum(sphere_volume(radius)) / scene.enclosure.volume
     free_height = scene.enclosure.height * max(0.05, 1 - fill / 0.64)
     return driven + math.sqrt(2 * float(np.linalg.norm(scene.gravity)) * free_height)
 

@@ -52,7 +52,7 @@ def _rebound(b: float) -> float:
 
 
 def contact_constants(one: Material, other: Material, surface: Surface) -> dict:
-    """E*, G*, the dashpots' factors and frictions of two materials, as ``kernels.data.Law`` holds them."""
+    """E*, G*, the dashpots' factors and frictions of two materials, as ``kernels.structs.Law`` holds them."""
     modulus = 1 / sum((1 - m.poissons_ratio**2) / m.youngs_modulus for m in (one, other))
     shear_modulus = 1 / sum((2 - m.poissons_ratio) / m.shear_modulus for m in (one, other))
     damping = 2 * math.sqrt(5 / 6) * dashpot(surface.restitution)

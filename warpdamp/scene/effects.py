@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable
+from dataclasses import dataclass, make_dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -12,12 +13,130 @@ if TYPE_CHECKING:
 
 Precision = Literal["float64", "float32"]
 
-FORCIBLE = ("friction", "rotation", "dashpots", "rolling", "gravity", "channels", "indicators")
-"""Effects that may be forced on or off; the others are the scene's geometry and content."""
+WALLS = ("side", "floor", "lid")
 
 
 @dataclass(frozen=True)
-class Effects:
+class Effect:
+    """All that the rest of the code has to know of an effect, but for its physics in the kernels.
+
+    Parameters
+    ----------
+    called_for : function of (Scene, grains)
+        Whether a scene of these particles calls for it.
+    keys : tuple of str
+        Keys of the configuration that call for it, the last where the others are silent; without any, not explained.
+    forcible : bool
+        Whether it may be forced on or off; others are the scene's geometry and content, or not to be left out.
+    needs : tuple of str
+        Effects that it cannot be without.
+    idle_without : tuple of str
+        Effects without which it changes nothing.
+    in_memory : bool
+        Whether the structs on the device depend on it.
+    usual : bool
+        Whether the paper's damper has it.
+    because : str
+        Put before its keys where it is on.
+    counted : (attribute of the grains, name of one, name of several) or None
+        It is on where the particles differ in this.
+    """
+
+    called_for: Callable[[Scene, object], bool]
+    keys: tuple[str, ...] = ()
+    forcible: bool = False
+    needs: tuple[str, ...] = ()
+    idle_without: tuple[str, ...] = ()
+    in_memory: bool = True
+    usual: bool = True
+    because: str = ""
+    counted: tuple[str, str, str] | None = None
+
+
+def _friction(scene: Scene, _grains) -> bool:
+    return any(surface.friction > 0 for surface in scene.surfaces())
+
+
+def _dashpots(scene: Scene, _grains) -> bool:
+    return any(surface.restitution < 1 for surface in scene.surfaces())
+
+
+def _rolling(scene: Scene, grains) -> bool:
+    return _friction(scene, grains) and any(surface.rolling_friction > 0 for surface in scene.surfaces())
+
+
+def _gravity(scene: Scene, _grains) -> bool:
+    return any(scene.gravity)
+
+
+def _wall(name: str) -> Effect:
+    def called_for(scene: Scene, _grains) -> bool:
+        return bool(scene.enclosure and getattr(scene.enclosure, name))
+
+    return Effect(called_for, (f"damper.enclosure.{name}", "damper.enclosure"), in_memory=False)
+
+
+def _sizes(_scene: Scene, grains) -> bool:
+    return len(set(np.asarray(grains.radius).tolist())) > 1
+
+
+def _materials(scene: Scene, _grains) -> bool:
+    return len(scene.materials) > 1
+
+
+def _indicators(scene: Scene, _grains) -> bool:
+    return scene.drive is not None and scene.enclosure is not None
+
+
+def _structure(scene: Scene, _grains) -> bool:
+    return scene.mount is not None
+
+
+def _always(_scene: Scene, _grains) -> bool:
+    return True
+
+
+def _contact(name: str) -> tuple[str, str]:
+    return f"contact.{name}", f"contact.walls.{name}"
+
+
+EFFECTS = {
+    "friction": Effect(_friction, _contact("friction"), forcible=True),
+    "rotation": Effect(
+        _friction,
+        _contact("friction"),
+        forcible=True,
+        idle_without=("friction",),
+        because="friction turns particles: ",
+    ),
+    "dashpots": Effect(_dashpots, _contact("restitution"), forcible=True),
+    "rolling": Effect(
+        _rolling,
+        _contact("rolling_friction"),
+        forcible=True,
+        needs=("rotation",),
+        idle_without=("friction",),
+        usual=False,
+    ),
+    "gravity": Effect(_gravity, ("excitation.gravity",), forcible=True),
+    **{name: _wall(name) for name in WALLS},
+    "sizes": Effect(_sizes, ("damper.particles",), usual=False, counted=("radius", "radius", "radii")),
+    "materials": Effect(_materials, ("damper.particles",), usual=False, counted=("species", "material", "materials")),
+    "channels": Effect(_always, ("effects.ledger",), forcible=True, in_memory=False),
+    "indicators": Effect(_indicators, ("effects.indicators", "excitation.gamma"), forcible=True, in_memory=False),
+    "guards": Effect(_always, in_memory=False),
+    "structure": Effect(_structure, usual=False),
+}
+"""Every effect, in the order of the fields of ``Effects``; ``precision`` is none of them."""
+
+FORCIBLE = tuple(name for name, effect in EFFECTS.items() if effect.forcible)
+"""Effects that may be forced on or off."""
+
+_Switches = make_dataclass("_Switches", [(name, bool, effect.usual) for name, effect in EFFECTS.items()], frozen=True)
+
+
+@dataclass(frozen=True)
+class Effects(_Switches):
     """Effects that are compiled into the kernels; one that is off costs nothing: no branch, no array.
 
     Parameters
@@ -49,20 +168,6 @@ class Effects:
         Of the motion; the ledger is always float64.
     """
 
-    friction: bool = True
-    rotation: bool = True
-    dashpots: bool = True
-    rolling: bool = False
-    gravity: bool = True
-    side: bool = True
-    floor: bool = True
-    lid: bool = True
-    sizes: bool = False
-    materials: bool = False
-    channels: bool = True
-    indicators: bool = True
-    guards: bool = True
-    structure: bool = False
     precision: Precision = "float64"
 
     @property
@@ -87,10 +192,16 @@ class Effects:
         """Whether all particles of a case have one mass."""
         return not (self.sizes or self.materials)
 
+    @property
+    def in_memory(self) -> Effects:
+        """The same, as far as the structs on the device depend on them: all others on, any wall for all three."""
+        others = [name for name, effect in EFFECTS.items() if not effect.in_memory]
+        return replace(self, **{name: self.enclosure if name in WALLS else True for name in others})
+
     def forced(self, choices: dict[str, bool]) -> Effects:
         """The same with some effects forced on or off.
 
-        Rolling resistance needs rotation: forcing rotation off takes it along.
+        What cannot be without an effect goes with it: rolling resistance with rotation.
 
         Raises
         ------
@@ -101,7 +212,8 @@ class Effects:
             if name not in FORCIBLE:
                 raise ValueError(f"'{name}' cannot be forced; choose from {', '.join(FORCIBLE)}")
         effects = replace(self, **choices)
-        return effects if effects.rotation else replace(effects, rolling=False)
+        lacking = [name for name, effect in EFFECTS.items() if not all(getattr(effects, need) for need in effect.needs)]
+        return replace(effects, **dict.fromkeys(lacking, False))
 
 
 def called_for(scene: Scene, grains, *, precision: Precision = "float64") -> Effects:
@@ -113,25 +225,7 @@ def called_for(scene: Scene, grains, *, precision: Precision = "float64") -> Eff
     grains : anything with ``radius`` and ``species``, as a State
     precision : "float64" or "float32"
     """
-    surfaces = scene.surfaces()
-    friction = any(s.friction > 0 for s in surfaces)
-    rolling = any(s.rolling_friction > 0 for s in surfaces)
-    cavity = scene.enclosure
-    return Effects(
-        friction=friction,
-        rotation=friction,  # rolling resistance alone turns nothing that does not turn
-        dashpots=any(s.restitution < 1 for s in surfaces),
-        rolling=friction and rolling,
-        gravity=any(scene.gravity),
-        side=bool(cavity and cavity.side),
-        floor=bool(cavity and cavity.floor),
-        lid=bool(cavity and cavity.lid),
-        sizes=len(set(np.asarray(grains.radius).tolist())) > 1,
-        materials=len(scene.materials) > 1,
-        indicators=scene.drive is not None and cavity is not None,
-        structure=scene.mount is not None,
-        precision=precision,
-    )
+    return Effects(**{name: effect.called_for(scene, grains) for name, effect in EFFECTS.items()}, precision=precision)
 
 
 def covering(every: list[Effects]) -> Effects:
@@ -144,5 +238,4 @@ def covering(every: list[Effects]) -> Effects:
     """
     if len({effects.precision for effects in every}) > 1:
         raise ValueError("the cases of a batch must all have one precision")
-    switches = [field.name for field in fields(Effects) if field.name != "precision"]
-    return replace(every[0], **{name: any(getattr(effects, name) for effects in every) for name in switches})
+    return replace(every[0], **{name: any(getattr(effects, name) for effects in every) for name in EFFECTS})

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
+
+from .scene import _HISTORIES, ContactHistory, sphere_volume
 
 
 @dataclass(frozen=True)
@@ -35,14 +36,16 @@ class State:
     radius : (n,) array [m]
     pairs : (m, 2) array of particle numbers i < j
         Touching pairs that remember something.
-    pair_history : (m, 4) array [m]
-        Stretch of their tangential springs (3) and contact radius; see ``warpdamp.kernels.contact``.
-    wall_history : (n, 3, 4) array [m]
-        The same for side, floor and lid.
+    pair_history : ContactHistory of (m,) contacts
+    wall_history : ContactHistory of (n, 3) contacts
+        With side, floor and lid.
     species : (n,) array of ints
         Position of each particle's material among the scene's; 0 for all unless given.
-    pair_roll, wall_roll : (m, 3), (n, 3, 3) arrays [m]
-        Stretch of the springs of rolling resistance.
+
+    Raises
+    ------
+    ValueError
+        If a pair is not (i, j) with i < j.
     """
 
     position: np.ndarray
@@ -50,20 +53,16 @@ class State:
     spin: np.ndarray
     radius: np.ndarray
     pairs: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int32))
-    pair_history: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
-    wall_history: np.ndarray = field(default_factory=lambda: np.zeros((0, 3, 4)))
+    pair_history: ContactHistory | None = None
+    wall_history: ContactHistory | None = None
     species: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
-    pair_roll: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
-    wall_roll: np.ndarray = field(default_factory=lambda: np.zeros((0, 3, 3)))
 
     def __post_init__(self):
         n = len(self.position)
-        if not len(self.wall_history):
-            self.wall_history = np.zeros((n, 3, 4))
-        if not len(self.wall_roll):
-            self.wall_roll = np.zeros((n, 3, 3))
-        if not len(self.pair_roll):
-            self.pair_roll = np.zeros((len(self.pairs), 3))
+        if self.pair_history is None:
+            self.pair_history = ContactHistory.none(len(self.pairs))
+        if self.wall_history is None:
+            self.wall_history = ContactHistory.none(n, 3)
         if not len(self.species):
             self.species = np.zeros(n, np.int32)
         if len(self.pairs) and np.any(self.pairs[:, 0] >= self.pairs[:, 1]):
@@ -80,6 +79,34 @@ class State:
     def __len__(self) -> int:
         return len(self.position)
 
+    @property
+    def bounding_radius(self) -> np.ndarray:
+        """Radius of the smallest sphere about each centre that holds the particle, (n,) [m]."""
+        return self.radius
+
     def volume(self) -> float:
-        """Of all particles [m^3]."""
-        return float(np.sum(4 / 3 * math.pi * self.radius**3))
+        """Volume of all particles [m^3]."""
+        return float(np.sum(sphere_volume(self.radius)))
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The state as named arrays, as files hold it; see ``from_arrays``."""
+        plain = {name: value for name, value in vars(self).items() if name not in _HISTORIES}
+        return plain | {
+            f"{name}_{part}": array for name in _HISTORIES for part, array in vars(getattr(self, name)).items()
+        }
+
+    @classmethod
+    def from_arrays(cls, arrays: dict[str, np.ndarray]) -> State:
+        """The state of ``arrays``.
+
+        Raises
+        ------
+        KeyError, TypeError
+            If one is missing, or one too many.
+        """
+        rest = dict(arrays)
+        histories = {
+            name: ContactHistory(**{part.name: rest.pop(f"{name}_{part.name}") for part in fields(ContactHistory)})
+            for name in _HISTORIES
+        }
+        return cls(**rest, **histories)

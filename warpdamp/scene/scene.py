@@ -244,3 +244,52 @@ class Scene:
     def masses(self, grains) -> np.ndarray:
         """Of particles with ``radius`` and ``species``, as a State [kg]."""
         return self.mass(grains.radius, grains.species)
+
+
+def sphere_volume(radius):
+    """Volume of spheres [m^3]."""
+    return 4 / 3 * math.pi * np.asarray(radius) ** 3
+
+
+def inverse_sphere_inertia(mass, radius):
+    """One over the moment of inertia of solid spheres about their centres, 5 / (2 m R^2) [1/(kg m^2)]."""
+    return 2.5 / (mass * radius**2)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactHistory:
+    """What contacts remember of the step before, an element for each contact; see ``warpdamp.kernels.contact``.
+
+    Parameters
+    ----------
+    stretch : (..., 3) array [m]
+        Of the tangential springs.
+    radius : (...) array [m]
+        Contact radius; 0: there was no contact.
+    roll : (..., 3) array [m]
+        Stretch of the springs of rolling resistance.
+    """
+
+    stretch: np.ndarray
+    radius: np.ndarray
+    roll: np.ndarray
+
+    @classmethod
+    def none(cls, *shape: int) -> ContactHistory:
+        """Of contacts that there were not."""
+        return cls(np.zeros((*shape, 3)), np.zeros(shape), np.zeros((*shape, 3)))
+
+    def __len__(self) -> int:
+        return len(self.radius)
+
+    def __getitem__(self, which) -> ContactHistory:
+        """Of some contacts."""
+        return ContactHistory(self.stretch[which], self.radius[which], self.roll[which])
+
+    def seen_from_the_other(self, where: np.ndarray) -> ContactHistory:
+        """With i and j exchanged ``where`` (...) that is true: stretches change their sign."""
+        sign = np.where(where, -1.0, 1.0)[..., None]
+        return ContactHistory(sign * self.stretch, self.radius, sign * self.roll)
+
+
+_HISTORIES = ("pair_history", "wall_history")

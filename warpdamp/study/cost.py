@@ -15,7 +15,7 @@ from ..damper.case import Request
 from ..damper.preparation import prepare
 from ..engine.batch import Batch, Case
 from ..files import cache_folder, whole_file
-from ..scene.effects import Effects
+from ..scene.effects import EFFECTS, Effects
 from ..scene.particles import Grains, State
 from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
 from ..version import PHYSICS_VERSION
@@ -29,21 +29,10 @@ STILL = 1e-18
 """A step [s] so short that contacts stay as they are."""
 
 TOGGLES: dict[str, dict] = {
-    "friction": {"friction": False, "rotation": False},
-    "rotation": {"rotation": False},
-    "dashpots": {"dashpots": False},
-    "rolling": {"rolling": False},
-    "gravity": {"gravity": False},
-    "side": {"side": False},
-    "floor": {"floor": False},
-    "lid": {"lid": False},
-    "sizes": {"sizes": False},
-    "materials": {"materials": False},
-    "channels": {"channels": False},
-    "indicators": {"indicators": False},
-    "guards": {"guards": False},
-    "precision": {"precision": "float32"},
-}
+    name: {other: False for other, effect in EFFECTS.items() if name in (other, *effect.needs, *effect.idle_without)}
+    for name in EFFECTS
+    if name != "structure"  # the beds that are timed are fixed to nothing
+} | {"precision": {"precision": "float32"}}
 """What the effects become when one of them is off (precision: float32 instead of float64)."""
 
 SIMPLEST = Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False, indicators=False)
@@ -57,9 +46,7 @@ def without(effects: Effects, name: str) -> Effects:
 
 def within(effects: Effects, name: str) -> Effects:
     """The same with one effect on."""
-    return replace(
-        effects, **{key: getattr(Effects(rolling=True, sizes=True, materials=True), key) for key in TOGGLES[name]}
-    )
+    return replace(effects, **dict.fromkeys(TOGGLES[name], True))
 
 
 def paper_scene(gamma: float = GAMMA) -> Scene:

@@ -3,35 +3,19 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..config.build import grains
 from ..config.study import Config
-from ..scene.effects import Effects, called_for
+from ..scene.effects import EFFECTS, Effects, called_for
 from ..scene.scene import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from ..damper.case import Spec
     from ..sweep.plan import Plan
-
-CALLS_FOR = {
-    "friction": ("contact.friction", "contact.walls.friction"),
-    "rotation": ("contact.friction", "contact.walls.friction"),
-    "dashpots": ("contact.restitution", "contact.walls.restitution"),
-    "rolling": ("contact.rolling_friction", "contact.walls.rolling_friction"),
-    "gravity": ("excitation.gravity",),
-    "side": ("damper.enclosure.side", "damper.enclosure"),
-    "floor": ("damper.enclosure.floor", "damper.enclosure"),
-    "lid": ("damper.enclosure.lid", "damper.enclosure"),
-    "sizes": ("damper.particles",),
-    "materials": ("damper.particles",),
-    "channels": ("effects.ledger",),
-    "indicators": ("effects.indicators", "excitation.gamma"),
-}
-"""Keys of the configuration that call for an effect."""
 
 NOT_MODELLED = (
     "the structure's answer to the damper (the enclosure's motion is prescribed)",
@@ -40,6 +24,9 @@ NOT_MODELLED = (
     "particles that are no spheres; friction against spinning about the normal",
     "flexibility of the enclosure's walls",
 )
+
+LISTED_PAIRS = 8
+"""To a particle: three or four near it, and as many while a list is made beside the old one."""
 
 PROCESS_MEMORY = 0.3e9
 """Of a worker process before any case, bytes: 236 to 251 MB were measured, rounded up."""
@@ -73,10 +60,7 @@ def effects_of(config: Config, spec: Spec) -> list[Explanation]:
     called = called_for(spec.scene, spec.bed.grains, precision=effects.precision)
     forced = dict(spec.bed.numerics.forced)
     explained = []
-    for field in fields(Effects):
-        name = field.name
-        if name in ("precision", "guards", "structure"):
-            continue
+    for name in (name for name, effect in EFFECTS.items() if effect.keys):
         on = getattr(effects, name)
         why = _why(config, name, on)
         if name in forced and on != getattr(called, name):
@@ -89,24 +73,20 @@ def effects_of(config: Config, spec: Spec) -> list[Explanation]:
 
 
 def _why(config: Config, name: str, on: bool) -> str:
-    if name in ("sizes", "materials"):
-        own = grains(config)
-        count = len(set(own.radius if name == "sizes" else own.species))
-        what = {"sizes": "radius", "materials": "material"}[name]
-        return _line(
-            config, "damper.particles", f"{count} {what if count == 1 else {'radius': 'radii'}.get(what, what + 's')}"
-        )
+    effect = EFFECTS[name]
+    if effect.counted:
+        attribute, singular, plural = effect.counted
+        count = len(set(getattr(grains(config), attribute)))
+        return _line(config, effect.keys[0], f"{count} {singular if count == 1 else plural}")
     values = config.model_dump()
     shown = []
-    for key in CALLS_FOR[name]:
+    for key in effect.keys:
         value = _value(values, key)
-        if value is not None and not isinstance(value, dict) and not (shown and key == CALLS_FOR[name][-1]):
+        if value is not None and not isinstance(value, dict) and not (shown and key == effect.keys[-1]):
             shown.append(_line(config, key, str(value)))
     if not shown:
-        return _line(config, CALLS_FOR[name][-1], "on" if on else "off")
-    if name == "rotation" and on:
-        return "friction turns particles: " + ", ".join(shown)
-    return ", ".join(shown)
+        return _line(config, effect.keys[-1], "on" if on else "off")
+    return (effect.because if on else "") + ", ".join(shown)
 
 
 def _value(node, key: str):
@@ -218,32 +198,18 @@ def _price(made: Plan, numbers, workers):
         )
     largest = int(made.particles[numbers].max())
     effects, criteria = made.groups[0]
-    case = particle_bytes(effects) * largest + row_bytes(effects) * (criteria.most + 1)
+    case = case_bytes(effects, largest, criteria.most + 1)
     batch = max(1, min(MOST_CASES, BATCH_COST / cost.mean()))
     yield f"  about {(PROCESS_MEMORY + batch * case) / 1e6:.0f} MB for each of {workers} processes"
 
 
-def particle_bytes(effects: Effects) -> int:
-    """What a particle takes on the device with its contacts, eight neighbours listed twice."""
-    from ..kernels.data import types
+def case_bytes(effects: Effects, particles: int, rows: int) -> float:
+    """Memory on the device that a case takes, with so many ledger rows [bytes]."""
+    from ..engine.arrays import particle_bytes
+    from ..kernels.structs import types
 
     t = types(effects)
-    pair = sum(_size(v) for name, v in t.Contacts.vars.items() if name == "partner" or name.startswith("pair_"))
-    wall = 3 * sum(_size(v) for name, v in t.Contacts.vars.items() if name.startswith("wall_") and "laws" not in name)
-    return np.dtype(t.Particle.numpy_dtype()).itemsize + 8 * pair + wall
-
-
-def row_bytes(effects: Effects) -> int:
-    """What a cycle's row of the ledger takes."""
-    from ..kernels.data import columns
-
-    return 8 * len(columns(effects))
-
-
-def _size(variable) -> int:
-    import warp as wp
-
-    return wp.types.type_size_in_bytes(variable.type.dtype)
+    return particles * particle_bytes(t, LISTED_PAIRS) + rows * 8 * len(t.columns)
 
 
 def _duration(seconds: float) -> str:

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from .data import types
+from .structs import types
 
 
 @functools.cache
-def grains(effects):
+def particles(effects):
     """Return the properties of particles, pairs and walls for the given effects."""
     t = types(effects)
     real = t.real
@@ -17,15 +17,15 @@ def grains(effects):
 
     @wp.func
     def radius_of(case: Case, p: wp.array(dtype=Particle), i: int):
-        """[m]."""
+        """Radius [m]."""
         if wp.static(effects.sizes):
             return p[i].radius
         else:
-            return case.grain_radius
+            return case.particle_radius
 
     @wp.func
     def inverse_mass_of(case: Case, p: wp.array(dtype=Particle), i: int):
-        """[1/kg]."""
+        """One over the mass [1/kg]."""
         if wp.static(effects.alike):
             return case.inverse_mass
         else:
@@ -33,7 +33,7 @@ def grains(effects):
 
     @wp.func
     def inverse_inertia_of(case: Case, p: wp.array(dtype=Particle), i: int):
-        """[1/(kg m^2)]."""
+        """One over the moment of inertia [1/(kg m^2)]."""
         if wp.static(effects.alike):
             return case.inverse_inertia
         else:
@@ -45,7 +45,7 @@ def grains(effects):
         if wp.static(effects.sizes):
             return p[i].radius * p[j].radius / (p[i].radius + p[j].radius)
         else:
-            return real(0.5) * case.grain_radius
+            return real(0.5) * case.particle_radius
 
     @wp.func
     def curvature(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
@@ -53,7 +53,7 @@ def grains(effects):
         if wp.static(effects.sizes):
             return (p[i].radius + p[j].radius) / (p[i].radius * p[j].radius)
         else:
-            return real(2.0) * case.grain_curvature
+            return real(2.0) * case.particle_curvature
 
     @wp.func
     def wall_curvature(case: Case, p: wp.array(dtype=Particle), i: int):
@@ -61,7 +61,7 @@ def grains(effects):
         if wp.static(effects.sizes):
             return real(1.0) / p[i].radius
         else:
-            return case.grain_curvature
+            return case.particle_curvature
 
     @wp.func
     def reduced_mass(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
@@ -85,7 +85,7 @@ def grains(effects):
         if wp.static(effects.materials):
             return c.laws[case.first_law + case.species * p[i].species + p[j].species]
         else:
-            return case.grain_law
+            return case.particle_law
 
     @wp.func
     def wall_law(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int):

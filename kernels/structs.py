@@ -4,82 +4,36 @@ A field that no effect of the scene needs does not exist: structs are made for t
 """
 
 import functools
-from dataclasses import replace
 from types import SimpleNamespace
 
 import warp as wp
 
-LOSSES = ("normal_dashpot", "tangential_dashpot", "slip", "history", "rolling")
-"""Channels in which contacts lose energy."""
+from .columns import columns, losses
 
-STORES = (
-    "kinetic_translation",
-    "kinetic_rotation",
-    "gravity",
-    "elastic_normal",
-    "elastic_tangential",
-    "elastic_rolling",
-)
+SIDE, FLOOR, LID = wp.constant(0), wp.constant(1), wp.constant(2)
+WALLS = wp.constant(3)
+"""What wall w does to particle i is remembered in ``Contacts.wall[WALLS * i + w]``."""
 
-UNIQUE = {
-    "module": "unique",
-    "enable_backward": False,
-    "module_options": {
-        "cpu_compiler_flags": f"{wp.config.cpu_compiler_flags} "
-        "-ffp-contract=fast -freciprocal-math -fno-signed-zeros -mreassociate"
-    },
-}
-"""How every kernel is compiled: on its own, without an adjoint, free to fuse, to reorder and to use reciprocals (a
-seventh of the time), but not to forget about NaN."""
+PER_PARTICLE = {"start": 1, "wall": WALLS}
+"""Arrays of ``Contacts`` with so many elements for each particle."""
 
-OK = 0
-NOT_FINITE = 1
-ESCAPED = 2
-
-
-INDICATORS = ("floor_impulse", "lid_impulse", "displacement")
-"""What tells the regime of motion: normal impulses on floor and lid [N s], and the particles' root mean square
-displacement over the last cycle, less the common one [m].  The last is of the moment."""
-
-STRUCTURE = ("force_work", "structure_loss", "structure_energy", "frame_energy")
-"""With a structure: work of the force on it, its own losses, its energy, and what the particles' kinetic and
-gravitational energy in the laboratory exceeds that in the enclosure's frame by.  The last two are of the moment."""
-
-
-def columns(effects):
-    """Names of a ledger row's columns: losses by channel or in total, indicators and the structure's if there are any.
-
-    All are energies [J], except: reaction_* = integral of the reaction along the drive times cos, sin [N s];
-    largest_overlap = overlap over the reduced radius.  All but ``STORES`` accumulate from step 0.
-    """
-    losses = LOSSES if effects.channels else ("total",)
-    return (
-        *(f"particle_{name}" for name in losses),
-        *(f"wall_{name}" for name in losses),
-        "work_input",
-        "reaction_cosine",
-        "reaction_sine",
-        "largest_overlap",
-        *STORES,
-        *(INDICATORS if effects.indicators else ()),
-        *(STRUCTURE if effects.structure else ()),
-    )
+PER_PAIR = ("partner", "pair")
+"""Those with one for each pair of the neighbour list."""
 
 
 @functools.cache
 def types(effects):
     """Structs and vectors for the given effects."""
     # Warp shares kernels of equal code, so effects of equal structs must share those, too
-    wall = effects.enclosure
-    own = structs(replace(effects, channels=True, indicators=True, guards=True, side=wall, floor=wall, lid=wall))
-    losses = wp.types.vector(len(LOSSES) if effects.channels else 1, wp.float64)
+    shared = structs(effects.in_memory)
+    lost = wp.types.vector(len(losses(effects)), wp.float64)
     row = wp.types.vector(len(columns(effects)), wp.float64)
-    return SimpleNamespace(**vars(own), Losses=losses, Row=row)
+    return SimpleNamespace(**vars(shared), Losses=lost, Row=row, columns=columns(effects))
 
 
 @functools.cache
 def structs(effects):
-    """Structs for the given effects; ``channels``, ``indicators``, ``guards`` and the choice of walls do not matter."""
+    """Structs for the given effects; see ``Effects.in_memory`` for those that do not matter."""
     real = effects.real
     vec3 = wp.types.vector(3, real)
 
@@ -129,8 +83,8 @@ def structs(effects):
         else:
             acceleration: real  # amplitude of the drive [m/s^2]
         if not effects.sizes:
-            grain_radius: real  # of every particle [m]
-            grain_curvature: real  # one over it
+            particle_radius: real  # of every particle [m]
+            particle_curvature: real  # one over it
         if effects.alike:
             inverse_mass: real  # of every particle [1/kg]
             inverse_inertia: real
@@ -139,7 +93,7 @@ def structs(effects):
             first_law: wp.int32  # its laws are first_law + species_i species + species_j
             first_wall_law: wp.int32  # and first_wall_law + species_i
         else:
-            grain_law: Law
+            particle_law: Law
             wall_law: Law
 
     @wp.struct
@@ -184,7 +138,7 @@ def structs(effects):
         partner: wp.array(dtype=wp.int32)
         if effects.history:
             pair: wp.array(dtype=History)
-            wall: wp.array(dtype=History)  # 3 i + (0 side, 1 floor, 2 lid)
+            wall: wp.array(dtype=History)  # at WALLS i + (SIDE, FLOOR or LID)
         if effects.materials:
             laws: wp.array(dtype=Law)
             wall_laws: wp.array(dtype=Law)
@@ -210,6 +164,19 @@ def structs(effects):
             records: wp.array(dtype=wp.vec3d)  # place [m], acceleration [m/s^2] of the enclosure, reaction [N]
 
     @wp.struct
+    class Touch:
+        """Where i meets its partner, a particle or a wall: all that the contact law asks of the shapes."""
+
+        overlap: real  # [m]; not positive: they are apart
+        normal: vec3  # from the partner to i
+        distance: real  # of the centres, or of the centre and the wall [m]
+        arm_i: real  # distance of i's centre from the contact along the normal [m]
+        arm_j: real  # and of j's
+        radius: real  # R* [m]
+        curvature: real  # 1 / R* [1/m]
+        mass: real  # m* [kg]
+
+    @wp.struct
     class Motion:
         """Of i's surface relative to its partner's; what no effect needs stays zero and costs nothing."""
 
@@ -230,5 +197,6 @@ def structs(effects):
         Mode=Mode,
         Mount=Mount,
         Motion=Motion,
+        Touch=Touch,
         History=History,
     )

@@ -1,0 +1,74 @@
+"""Contact geometry of spheres: where two of them meet, and how their surfaces move.
+
+This is all that ``pairs.py`` asks of a shape: whether two bodies touch, their ``Touch``, and the ``Motion`` of one
+surface past the other.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from .particles import particles
+from .structs import types
+
+
+@functools.cache
+def spheres(effects):
+    """Return the contact geometry of spheres for the given effects."""
+    t = types(effects)
+    real, vec3 = t.real, t.vec3
+    Case, Particle, Touch, Motion = t.Case, t.Particle, t.Touch, t.Motion
+    properties = particles(effects)
+    radius_of, curvature = properties.radius_of, properties.curvature
+    reduced_radius, reduced_mass, lever_arm = properties.reduced_radius, properties.reduced_mass, properties.lever_arm
+
+    @wp.func
+    def pair_touches(case: Case, p: wp.array(dtype=Particle), i: int, j: int, branch: vec3):
+        """Whether two particles overlap; ``branch`` is the vector from j's centre to i's."""
+        reach = radius_of(case, p, i) + radius_of(case, p, j)
+        return wp.dot(branch, branch) < reach * reach
+
+    @wp.func
+    def pair_touch(case: Case, p: wp.array(dtype=Particle), i: int, j: int, branch: vec3):
+        """Where two particles meet.
+
+        The lever arms share the distance of the centres in the ratio of the radii, so that angular momentum is kept to
+        round-off.
+        """
+        touch = Touch()
+        touch.distance = wp.length(branch)
+        touch.normal = (real(1.0) / touch.distance) * branch
+        touch.arm_i = lever_arm(case, p, i, j, touch.distance)
+        touch.radius = reduced_radius(case, p, i, j)
+        touch.mass = reduced_mass(case, p, i, j)
+        touch.overlap = radius_of(case, p, i) + radius_of(case, p, j) - touch.distance
+        touch.arm_j = touch.distance - touch.arm_i
+        touch.curvature = curvature(case, p, i, j)
+        return touch
+
+    @wp.func
+    def pair_motion(case: Case, p: wp.array(dtype=Particle), i: int, j: int, touch: Touch, since: real):
+        """How i's surface moves past j's; what the effects do not ask for stays zero."""
+        motion = Motion()
+        if wp.static(effects.dashpots):
+            motion.velocity = p[i].velocity - p[j].velocity
+            if wp.static(effects.rotation):
+                motion.velocity -= wp.cross(touch.arm_i * p[i].spin + touch.arm_j * p[j].spin, touch.normal)
+        if wp.static(effects.friction):
+            # across the branch of the half step, as the two turn about each other
+            passed = since / touch.distance * (p[i].half_velocity - p[j].half_velocity)
+            between = touch.normal - real(0.5) * passed
+            motion.tilted = passed - wp.dot(passed, between) * between
+            motion.slid = touch.distance * motion.tilted
+            if wp.static(effects.rotation):
+                turning = touch.arm_i * p[i].half_spin + touch.arm_j * p[j].half_spin
+                motion.slid -= since * wp.cross(turning, touch.normal)
+                motion.turned = real(0.5) * since * wp.dot(p[i].half_spin + p[j].half_spin, touch.normal)
+        if wp.static(effects.rolling):
+            motion.rolled = since * touch.radius * wp.cross(p[i].half_spin - p[j].half_spin, touch.normal)
+            if wp.static(effects.dashpots):
+                motion.rolling = touch.radius * wp.cross(p[i].spin - p[j].spin, touch.normal)
+        return motion
+
+    return SimpleNamespace(pair_touches=pair_touches, pair_touch=pair_touch, pair_motion=pair_motion)
