@@ -1,6 +1,8 @@
 """Imports only point down: the packages of warpdamp stand on levels, and no files import each other in a circle.
 
-Imports inside functions count like any other; those under ``TYPE_CHECKING`` do not, for they are never run.
+Imports inside functions count like any other; those under ``TYPE_CHECKING`` do not, for they are never run.  Inside a
+function a module of the package is imported only where that hides a library that takes its time; the commands of the
+command line import all that they run when they run, so that its help answers at once.
 """
 
 import ast
@@ -10,6 +12,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
+
+HEAVY = {"warp", "xarray", "scipy", "skfem", "matplotlib", "pint", "netCDF4", "rich", "meshio", "pyuff", "distributed"}
+"""Libraries that take a tenth of a second and more to import."""
 
 LEVELS = (
     {"version", "errors", "status", "scene", "kernels"},
@@ -38,30 +43,39 @@ MODULES = modules()
 
 
 class Imports(ast.NodeVisitor):
-    """The modules of the package that a module imports, wherever the import stands."""
+    """What a module imports: modules of the package, and other libraries; at its top, or anywhere."""
 
-    def __init__(self, name: str):
+    def __init__(self, name: str, *, anywhere: bool):
         package = name if MODULES[name].stem == "__init__" else name.rpartition(".")[0]
-        self.package, self.found = package.split("."), set()
+        self.package, self.anywhere = package.split("."), anywhere
+        self.inner, self.libraries = set(), set()
         self.visit(ast.parse(MODULES[name].read_text()))
-        self.found.discard(name)
+        self.inner.discard(name)
 
     def visit_If(self, node):
         if "TYPE_CHECKING" not in ast.unparse(node.test):
             self.generic_visit(node)
 
+    def visit_FunctionDef(self, node):
+        if self.anywhere:
+            self.generic_visit(node)
+
     def visit_Import(self, node):
-        self.found |= {alias.name for alias in node.names if alias.name in MODULES}
+        self.libraries |= {alias.name.partition(".")[0] for alias in node.names}
 
     def visit_ImportFrom(self, node):
-        base = self.package[: len(self.package) - node.level + 1] if node.level else []
+        if not node.level:
+            self.libraries.add(node.module.partition(".")[0])
+            return
+        base = self.package[: len(self.package) - node.level + 1]
         module = ".".join(base + ([node.module] if node.module else []))
         for alias in node.names:
-            inner = f"{module}.{alias.name}"
-            self.found |= {name for name in (inner if inner in MODULES else module,) if name in MODULES}
+            deeper = f"{module}.{alias.name}"
+            self.inner.add(deeper if deeper in MODULES else module)
 
 
-IMPORTS = {name: Imports(name).found for name in MODULES}
+IMPORTS = {name: Imports(name, anywhere=True).inner for name in MODULES}
+AT_TOP = {name: Imports(name, anywhere=False) for name in MODULES}
 
 
 def level(name: str) -> int:
@@ -80,3 +94,16 @@ def test_no_files_import_each_other_in_a_circle():
         TopologicalSorter(IMPORTS).prepare()
     except CycleError as error:
         pytest.fail(" -> ".join(error.args[1]))
+
+
+def is_heavy(name: str, seen: set[str]) -> bool:
+    """Whether importing a module imports a library that takes its time."""
+    seen.add(name)
+    deeper = AT_TOP[name].inner - seen
+    return bool(AT_TOP[name].libraries & HEAVY) or any(is_heavy(other, seen) for other in deeper)
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if not name.startswith("warpdamp.cli")])
+def test_imports_inside_functions_hide_a_heavy_library(name):
+    inside = IMPORTS[name] - AT_TOP[name].inner
+    assert not [other for other in inside if not is_heavy(other, set())], f"{name}: import these at the top"

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from .analysis.optimum import optimum
+from .analysis.regimes import regime
 from .analysis.results import over_packings
 from .errors import UsageError
 
@@ -31,14 +33,10 @@ class Damper:
 
     def optimum(self, of: str = "effectiveness") -> xr.Dataset:
         """Gamma of fluidisation and of two-sided collision; see ``warpdamp.analysis.optimum.optimum``."""
-        from .analysis.optimum import optimum
-
         return optimum(self._dataset, of)
 
     def regime(self) -> xr.DataArray:
         """Regime of motion of every case; see ``warpdamp.analysis.regimes.regime``."""
-        from .analysis.regimes import regime
-
         return regime(self._dataset)
 
     def damping(self, modes: Modes) -> xr.Dataset:

@@ -13,6 +13,7 @@ import xarray as xr
 from ..errors import UsageError
 from ..files import whole_file
 from ..variables import NOT_RUN
+from ..version import PHYSICS_VERSION, __version__
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,8 +81,6 @@ def provenance() -> dict:
     import skfem
     import warp
     import xarray
-
-    from ..version import PHYSICS_VERSION, __version__
 
     versions = {"numpy": numpy, "scipy": scipy, "scikit-fem": skfem, "warp-lang": warp, "xarray": xarray}
     return {

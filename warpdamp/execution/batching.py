@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..sweep.plan import Fate
+
 if TYPE_CHECKING:
     from ..sweep.plan import Plan
 
@@ -67,8 +69,6 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list
 
 def _members(plan: Plan, heads: np.ndarray) -> dict[int, list[int]]:
     """Numbers of the cases of each chain, by rising amplitude."""
-    from ..sweep.plan import Fate
-
     alone = np.bincount(plan.chain, minlength=len(plan.chain)) == 1
     members = {int(head): [int(head)] for head in heads if alone[head]}
     longer = {int(head): [] for head in heads if not alone[head]}

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import PackingError, StoreError
 from ..status import FIRST_UNFINISHED, Status
+from .store import Store
 
 if TYPE_CHECKING:
     from ..damper.case import Criteria, Request, Spec
@@ -63,8 +64,6 @@ def shake_and_keep(folder: str, work: Work) -> Outcome:
     OSError, StoreError
         If results, beds or kernels cannot be kept, as on a full disk.
     """
-    from .store import Store
-
     with _alone, _listening() as said:
         started, cpu = time.perf_counter(), time.process_time()
         results = _values(work.chains, work.criteria)

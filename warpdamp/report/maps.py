@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.optimum import collision_optimum, optimum
+from ..analysis.regimes import Regime, regime
 from ..analysis.results import over_packings
 from .figures import grid, named, panels
 
@@ -64,8 +65,6 @@ def regime_map(dataset: xr.Dataset) -> Figure:
     Of several seeds the first is shown: labels have no mean.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
-
-    from ..analysis.regimes import Regime, regime
 
     label = regime(dataset)
     label = label.isel(seed=0) if "seed" in label.dims else label

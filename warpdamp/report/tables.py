@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..analysis.accuracy import chance, cheapest, step_errors, systematic
 from ..analysis.optimum import peaks
 from ..analysis.results import over_packings, worst_status
 from ..damper.case import MOST_BLOCKS
@@ -117,8 +118,6 @@ def fits_table(fitted: xr.Dataset) -> Table:
 
 def accuracy_table(runs: xr.Dataset) -> Table:
     """Of an accuracy study: the cheapest settings for 10, 5, 2 and 1 %, and what they cost, at every point."""
-    from ..analysis.accuracy import chance, cheapest, step_errors, systematic
-
     tolerances = (0.1, 0.05, 0.02, 0.01)
     table = _table("point", *(f"{100 * t:g} %" for t in tolerances))
     errors = systematic(runs)

@@ -23,6 +23,7 @@ from ..engine.ledger import maximum_energy
 from ..numerics.timestep import steps_per_cycle
 from ..scene.particles import State
 from ..scene.scene import STANDARD_GRAVITY, Material, Scene
+from ..sweep.cases import Cases
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -186,8 +187,6 @@ def study(
 
 def points_of(config: Config, most: int = 6) -> list[Spec]:
     """A few cases that span a study: of every frequency the Gammas at a third and two thirds of its list, all seeds."""
-    from ..sweep.cases import Cases
-
     specs = list(Cases(config).specs())
     frequencies = sorted({spec.scene.drive.frequency for spec in specs})[: max(1, most // 2)]
     gammas = sorted({spec.scene.drive.acceleration for spec in specs})

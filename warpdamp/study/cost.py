@@ -18,6 +18,8 @@ from ..files import cache_folder, whole_file
 from ..scene.effects import EFFECTS, Effects
 from ..scene.particles import Grains, State
 from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
+from ..sweep.cases import Cases
+from ..sweep.plan import plan
 from ..version import PHYSICS_VERSION
 
 RADIUS, COUNT = 3.73e-3, 120
@@ -131,9 +133,6 @@ def _kept() -> dict[str, float]:
 
 def measure_study(config) -> None:
     """Measure what the cases of a study cost, and what each of their effects does."""
-    from ..sweep.cases import Cases
-    from ..sweep.plan import plan
-
     own = {effects for effects, _ in plan(Cases(config)).groups}
     remember(moving, moving(list(own)))
     remember(frozen, frozen(list(own | {without(effects, name) for effects in own for name in TOGGLES})))

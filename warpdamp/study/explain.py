@@ -10,8 +10,15 @@ import numpy as np
 
 from ..config.build import grains
 from ..config.study import Config
+from ..execution.adaptive import needed_cases
+from ..execution.batching import BATCH_COST, MOST_CASES
+from ..execution.store import Finished
+from ..numerics.timestep import expected_speed, shortest_contact
 from ..scene.effects import EFFECTS, Effects, called_for
 from ..scene.scene import STANDARD_GRAVITY
+from ..sweep.cases import Cases
+from ..sweep.plan import Fate, plan
+from ..sweep.resolve import applied, settled
 
 if TYPE_CHECKING:
     from ..damper.case import Spec
@@ -102,10 +109,6 @@ def _line(config: Config, key: str, value: str) -> str:
 
 def explain(config: Config, *, workers: int | None = None) -> str:
     """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled."""
-    from ..sweep.cases import Cases
-    from ..sweep.plan import plan
-    from ..sweep.resolve import applied, settled
-
     config = applied(settled(config))
     made = plan(Cases(config))
     numbers = made.to_run()
@@ -137,8 +140,6 @@ def _precision(effects: Effects) -> str:
 
 
 def _steps(made: Plan, numbers):
-    from ..numerics.timestep import expected_speed, shortest_contact
-
     dt = made.dt[numbers]
     for number in dict.fromkeys((int(numbers[dt.argmin()]), int(numbers[dt.argmax()]))):
         spec, _ = made.cases.spec(number)
@@ -153,10 +154,6 @@ def _steps(made: Plan, numbers):
 
 
 def _cases(made: Plan, numbers):
-    from ..execution.adaptive import needed_cases
-    from ..execution.store import Finished
-    from ..sweep.plan import Fate
-
     cases = made.cases
     amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
     preparation = f"{cases.config.preparation} " if "preparation" not in cases.names().values() else ""
@@ -177,9 +174,6 @@ def _cases(made: Plan, numbers):
 
 
 def _price(made: Plan, numbers, workers):
-    from ..execution.adaptive import needed_cases
-    from ..execution.batching import BATCH_COST, MOST_CASES
-    from ..execution.store import Finished
     from .cost import moving, recall
 
     cost, group = made.cost[numbers], made.group[numbers]

@@ -12,7 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..config.study import Config
+from ..errors import PackingError, SimulationError
 from ..execution.adaptive import NEEDED, needed_cases
+from ..execution.executors import worker_pool
+from ..execution.run_log import RunLog
+from ..execution.runner import Runner
 from ..execution.store import Finished, Store
 from ..status import FIRST_UNFINISHED, Status
 from ..sweep.cases import Cases
@@ -90,10 +94,6 @@ def carry_out(
     ----------
     part : (k, n) for the k-th of n parts, which may run side by side; together they are the whole
     """
-    from ..execution.executors import worker_pool
-    from ..execution.run_log import RunLog
-    from ..execution.runner import Runner
-
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be at least 1, got {workers}")
     if not isinstance(config, Config):
@@ -167,8 +167,6 @@ def _raise_if_all_failed(made: Plan, finished: Finished) -> None:
     ------
     SimulationError
     """
-    from ..errors import SimulationError
-
     own = np.isin(finished.keys, made.keys[made.to_run()])
     status = finished.status[own]
     energy = finished.values.get("energy_dissipated", np.full(len(finished), np.nan))[own]
@@ -208,7 +206,6 @@ def _refuse_what_does_not_fit(made: Plan) -> None:
     ConfigError
     """
     from ..damper.placement import separate
-    from ..errors import PackingError
 
     if math.prod(made.cases.shape[2:-1]) > 1:
         return

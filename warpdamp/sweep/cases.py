@@ -6,6 +6,17 @@ import math
 from typing import TYPE_CHECKING
 
 from ..config.study import Config
+from ..damper.case import PAPER_SETTLING, Criteria, Request, Spec, paper_criteria
+from ..modal.from_config import modes
+from ..numerics.timestep import (
+    FEWEST_STEPS_PER_CONTACT,
+    FEWEST_STEPS_PER_CYCLE,
+    Numerics,
+    contact_step,
+    expected_speed,
+    shortest_contact,
+    steps_per_cycle,
+)
 from ..numerics.tolerance import settings_for
 from ..scene.scene import STANDARD_GRAVITY
 
@@ -171,8 +182,6 @@ class Cases:
 
     def _own_modes(self, single: Config) -> Modes:
         """Of the structure with a point's particles; each structure and mass of particles once."""
-        from ..modal.from_config import modes
-
         particles = particle_mass(single)
         structure = single.structure.model_dump(mode="json")
         materials = {
@@ -203,10 +212,6 @@ class Cases:
         ConfigError
             If a forced step does not resolve the shortest contact expected.
         """
-        from ..damper.case import Spec
-
-        pass
-
         i, j, k = position
         config = point.config
         frequency, gamma, seed = self.drive_at(point, position)
@@ -233,9 +238,6 @@ class Cases:
         return point.frequencies[i], as_list(point.config.excitation.gamma)[j], point.config.seeds[k]
 
     def _bed(self, config: Config, index, seed: int) -> Request:
-        from ..damper.case import PAPER_SETTLING, Request
-        from ..numerics.timestep import Numerics
-
         if (index, seed) not in self._beds:
             if len(self._beds) > KEPT_POINTS:
                 self._beds.clear()
@@ -260,15 +262,6 @@ def steps_of(config: Config, driven, own) -> int:
     ConfigError
         If a forced step does not resolve the shortest contact expected.
     """
-    from ..numerics.timestep import (
-        FEWEST_STEPS_PER_CONTACT,
-        FEWEST_STEPS_PER_CYCLE,
-        contact_step,
-        expected_speed,
-        shortest_contact,
-        steps_per_cycle,
-    )
-
     numerics = config.numerics
     if numerics.step == "auto":
         return steps_per_cycle(driven, own, steps_per_contact=numerics.steps_per_contact)
@@ -286,8 +279,6 @@ def steps_of(config: Config, driven, own) -> int:
 
 def criteria_of(config: Config, frequency: float) -> Criteria:
     """When a case at a frequency is done."""
-    from ..damper.case import Criteria, paper_criteria
-
     wanted = config.steady_state
     if wanted.recipe == "paper":
         return paper_criteria(frequency)
