@@ -1,8 +1,8 @@
 """Measure how fast warpdamp is, beside other DEM codes where they are installed.
 
-    python scripts/benchmark.py                      everything, about a quarter of an hour (Linux)
-    python scripts/benchmark.py peers two_core_gain  groups, or the groups of single metrics
-    python scripts/benchmark.py --document           everything, and docs/benchmark.md
+    python scripts/benchmarks/benchmark.py                      everything, about a quarter of an hour (Linux)
+    python scripts/benchmarks/benchmark.py peers two_core_gain  groups, or the groups of single metrics
+    python scripts/benchmarks/benchmark.py --document           everything, and docs/benchmark.md
 
 Prints one line ``name value`` for each metric as it is known, the median where it was taken several times, and then
 what was required and what was aimed at.  Ends with status 1 if something required was missed.  Compiling is left out.
@@ -17,7 +17,10 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks import document, peers, scaling, startup
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from benchmarks import document, peers, scaling, startup  # noqa: E402
 
 GROUPS = {
     "peers": peers.compare,
@@ -172,8 +175,7 @@ def main() -> int:
     lines, missed = verdicts({name: statistics.median(values) for name, values in samples.items()})
     print("\n".join(lines))
     if asked.document:
-        path = Path(__file__).parents[1] / "docs" / "benchmark.md"
-        path.write_text(document.text(METRICS, samples, machine))
+        (ROOT / "docs" / "benchmark.md").write_text(document.text(METRICS, samples, machine))
     return 1 if missed else 0
 
 

@@ -12,7 +12,7 @@ from .peers import PEERS, version
 
 HEAD = """# Benchmark
 
-Written by `scripts/benchmark.py --document`. Medians of several rounds, smallest and largest in brackets. Times of
+Written by `scripts/benchmarks/benchmark.py --document`. Medians of several rounds, smallest and largest in brackets. Times of
 stepping are processor time without start-up, compiling and the making of batches; the codes run in turn, so that ratios
 are of the same minutes. Times of starting and of two cores are wall times and need an idle machine.
 
@@ -22,7 +22,7 @@ HOW = """
 ## What is compared
 
 All codes start from the same bed at rest, one of another seed in each round, and take the same step for ten cycles: 120
-spheres of PMMA in a 40 x 40 mm cylinder, 46 Hz, Gamma 6, 2e-6 s. Their decks are in `scripts/peers`, and take every
+spheres of PMMA in a 40 x 40 mm cylinder, 46 Hz, Gamma 6, 2e-6 s. Their decks are in `scripts/benchmarks/decks`, and take every
 number of the scene from the same two files. LAMMPS and LIGGGHTS have no account of the energy for this: their decks sum
 the power put in, at every step as warpdamp's ledger does, or lean, every ten steps. YADE has a tally of its own, and is
 lean without it.

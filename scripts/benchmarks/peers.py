@@ -1,7 +1,7 @@
 """warpdamp beside LAMMPS, LIGGGHTS and YADE: the same bed, drive and step, one core, in turn.
 
 A peer gets a folder with two files: ``bed.data``, the spheres at rest, and ``scene.in``, every number of the scene.
-The decks in ``scripts/peers`` read both and hold no number of the scene themselves.  Each is run twice: with its energy
+The decks in ``scripts/benchmarks/decks`` read both and hold no number of the scene themselves.  Each is run twice: with its energy
 accounts kept at every step, as warpdamp's ledger is, and lean, with as little of them as it can do with.
 """
 
@@ -22,7 +22,7 @@ from warpdamp.engine.ledger import maximum_energy
 
 from .damper import COUNT, DT, RADIUS, STEPS_PER_CYCLE, damper, one_core, shake
 
-DECKS = Path(__file__).parents[1] / "peers"
+DECKS = Path(__file__).parent / "decks"
 SKIN = 4e-4
 """Of the peers' neighbour lists [m]; half and twice of it change their speed by less than it scatters."""
 CYCLES = 10

@@ -1,6 +1,6 @@
 """The main job and the figures it is held to: run everything from cold caches and write docs/acceptance.md.
 
-python scripts/acceptance.py
+python scripts/documents/acceptance.py
 
 Takes about ten minutes on two cores.  Writes docs/beam.nc, docs/beam.png (the main job) and docs/acceptance.md.
 """
@@ -29,7 +29,7 @@ from warpdamp.modal.beam import beam_modes
 from warpdamp.modal.from_config import beam
 from warpdamp.numerics.timestep import steps_per_cycle
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 RADIUS = 3.73e-3
 PMMA = Material(920, 3.3e9, 0.37)
 
@@ -210,7 +210,7 @@ def main():
     text = [
         "# Acceptance of the main job",
         "",
-        "Written by `scripts/acceptance.py`; every figure below is measured by it.",
+        "Written by `scripts/documents/acceptance.py`; every figure below is measured by it.",
     ]
     for title, section in sections.items():
         started = time.perf_counter()

@@ -1,7 +1,7 @@
 """What accuracy costs, for the paper's scene at six points; writes docs/accuracy.md from docs/accuracy.nc.
 
-    python scripts/accuracy.py            # the document, from the committed series
-    python scripts/accuracy.py simulate   # the series anew: a quarter of an hour on two cores
+    python scripts/documents/accuracy.py            # the document, from the committed series
+    python scripts/documents/accuracy.py simulate   # the series anew: a quarter of an hour on two cores
 
 The series are docs/accuracy.nc and, of a dilute bed, docs/stationary.nc.  The sections on coverage, price and presets
 read what the scripts of these names write to docs.
@@ -42,7 +42,7 @@ from warpdamp.scene.scene import STANDARD_GRAVITY
 from warpdamp.study.accuracy import points_of, study
 from warpdamp.sweep.cases import Cases
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 SEEDS = [1, 2, 3, 4]
 USUAL = "steps_per_contact=24"
@@ -308,7 +308,7 @@ def coverage_section() -> list[str]:
     return [
         "## Do the intervals hold?",
         "",
-        "Written from scripts/coverage.py: each case runs as with a tolerance of 5 %; the reference is the mean of the "
+        "Written from scripts/documents/coverage.py: each case runs as with a tolerance of 5 %; the reference is the mean of the "
         "same bed over eight times as many cycles afterwards, at least 300.  Share of steady cases whose 95 % "
         "interval holds the reference (asked for: 90-99 %), the share that the average over cycles alone would hold, "
         "the interval's mean half-width, the reference's own standard error, and by how much claims are off (root mean "
@@ -351,7 +351,7 @@ def price_section() -> list[str]:
     return [
         "## What a tolerance saves",
         "",
-        "Written from scripts/price.py: the main job at Gamma 2, 6 and 13, at `tolerance: 5 %`, and at the paper's "
+        "Written from scripts/documents/price.py: the main job at Gamma 2, 6 and 13, at `tolerance: 5 %`, and at the paper's "
         f"step of 2e-6 s with one fixed length, {int(price['fixed_cycles'])} cycles, with which every case has the "
         f"standard error that the tolerance gives it.  Core-seconds of the cases: {bought:.0f} against {paid:.0f}, "
         f"**{100 * bought / paid:.0f} %** (asked for: at most 25 %), for {int(price['tolerance_cases'])} cases against "
@@ -386,7 +386,7 @@ def presets_section() -> list[str]:
     return [
         "## What the presets err by",
         "",
-        f"Written from scripts/presets.py: the main job at Gamma 2, 6 and 13 in modes 1, 3 and 5, against the mean of "
+        f"Written from scripts/documents/presets.py: the main job at Gamma 2, 6 and 13 in modes 1, 3 and 5, against the mean of "
         f"{presets.attrs['reference']}, known to {100 * rms(presets['reference_error']):.1f} % (standard error; root "
         f"mean squares over points, as all here).  One packing over those cycles is off by "
         f"{100 * rms(presets['one_packing']):.1f} %.  Claimed: the standard error, all parts together; interval holds: "
@@ -408,7 +408,7 @@ def document() -> None:
     lines = [
         "# What accuracy costs",
         "",
-        f"Written by `python scripts/accuracy.py` from docs/accuracy.nc: the paper's damper at six points, "
+        f"Written by `python scripts/documents/accuracy.py` from docs/accuracy.nc: the paper's damper at six points, "
         f"{runs.sizes['seed']} compacted beds, 160, 400 and 600 cycles a run in modes 1, 3 and 5.  The reference is "
         "float64 with 48 steps a contact over all of them; the first third of every run is left out.",
         "",

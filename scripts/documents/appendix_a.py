@@ -1,6 +1,6 @@
 """The paper's appendix A: what real modes cost against complex ones; writes docs/appendix-a.md with its Fig. A.1.
 
-python scripts/appendix_a.py
+python scripts/documents/appendix_a.py
 """
 
 import math
@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from warpdamp.modal.appendix_a import complex_mode, energy_damping, pole_damping, real_mode, rigid_damping
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 LARGEST = 0.32
 STIFFNESS = (1.0, 1.41, 2.0, 5.0, 20.0, 1e6)
 # mode shapes of the paper's beam at the mass, without particles, by beam theory [kg^-0.5]
@@ -20,7 +20,7 @@ BEAM = {1: 1.7201, 3: 0.8300, 5: 0.5963}
 PARTICLES = 0.0239985
 TEXT = """# Appendix A: real against complex modes
 
-Written by `scripts/appendix_a.py`. A damper, effectiveness ε, gives its point of the structure the complex mass
+Written by `scripts/documents/appendix_a.py`. A damper, effectiveness ε, gives its point of the structure the complex mass
 m (1 − j 4ε/π). The paper's two-mass model carries it on a spring: a host mode (m_h, k_h), a damper of mass r_m m_h on a
 spring r_k k_h; of the two modes the even one, eqs 26 and 27, at ε = 1.
 

@@ -1,7 +1,7 @@
 """How beds change while they are shaken: the paper's damper at Gamma 6, cycle by cycle; writes docs/bed-states.md.
 
-    python scripts/bed_states.py            # the document, from docs/bed-states.nc
-    python scripts/bed_states.py simulate   # the runs anew: about four minutes on two cores
+    python scripts/documents/bed_states.py            # the document, from docs/bed-states.nc
+    python scripts/documents/bed_states.py simulate   # the runs anew: about four minutes on two cores
 
 Three packings, loose and compacted, with the usual step and with half of it.
 """
@@ -23,7 +23,7 @@ from warpdamp.engine.ledger import maximum_energy
 from warpdamp.numerics.timestep import steps_per_cycle
 from warpdamp.study.cost import COUNT, FREQUENCY, GAMMA, RADIUS, paper_scene
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 SEEDS, PREPARATIONS, STEPS = (1, 2, 3), ("loose", "compacted"), (24, 48)
 CYCLES, BLOCK = 400, 20
 
@@ -63,7 +63,7 @@ def document() -> None:
     lines = [
         "# States of a bed",
         "",
-        f"Written by `python scripts/bed_states.py` from docs/bed-states.nc: the paper's damper at {FREQUENCY:g} Hz "
+        f"Written by `python scripts/documents/bed_states.py` from docs/bed-states.nc: the paper's damper at {FREQUENCY:g} Hz "
         f"and Gamma {GAMMA:g}, {CYCLES} cycles of six beds, each with 24 and with 48 steps to the shortest contact.",
         "",
         f"![Effectiveness in blocks of {BLOCK} cycles](bed-states.png)",

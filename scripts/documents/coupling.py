@@ -1,7 +1,7 @@
 """The prediction from prescribed motion against structures that answer; writes docs/coupling.md from docs/coupling.nc.
 
-    python scripts/coupling.py            # the document, from the committed runs and docs/beam.nc
-    python scripts/coupling.py simulate   # the runs anew: four minutes on two cores
+    python scripts/documents/coupling.py            # the document, from the committed runs and docs/beam.nc
+    python scripts/documents/coupling.py simulate   # the runs anew: four minutes on two cores
 
 Mode 1 of the paper's beam, alone, with the paper's damper: held near ten amplitudes by a harmonic force at resonance,
 and released from the largest.  Both sides use the same three compacted beds.
@@ -30,7 +30,7 @@ from warpdamp.modal.from_config import modes
 from warpdamp.numerics.timestep import steps_per_cycle
 from warpdamp.scene.scene import STANDARD_GRAVITY, Drive, Force
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 GAMMAS = (0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 7.0, 9.0, 11.0, 14.0)
 INHERENT = 0.002
@@ -168,7 +168,7 @@ def document() -> None:
     lines = [
         "# Structures that answer",
         "",
-        "Written by `python scripts/coupling.py` from docs/coupling.nc and docs/beam.nc.  The modal oscillator and the "
+        "Written by `python scripts/documents/coupling.py` from docs/coupling.nc and docs/beam.nc.  The modal oscillator and the "
         "particles advance together, driven by a harmonic force near resonance; natural frequency and damping are read "
         f"from the steady response (windows of {WINDOW} cycles, the second half of {CYCLES}), the inherent damping of "
         f"{100 * inherent:g} % taken off.  Beside it the prediction from prescribed motion at the same Gamma: the "

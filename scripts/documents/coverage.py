@@ -1,6 +1,6 @@
 """Whether the claimed intervals hold: 108 cases against what the same case does much longer; writes docs/coverage.nc.
 
-    python scripts/coverage.py
+    python scripts/documents/coverage.py
 
 Beds of 30 to 120 spheres, three packings each, frequencies 60-380 Hz and Gamma 1.5-12 drawn at
 random.  A case runs as a study with a tolerance would run it; the reference is the mean over eight times as many cycles
@@ -27,7 +27,7 @@ from warpdamp.numerics.steady import standard_error
 from warpdamp.numerics.timestep import steps_per_cycle
 from warpdamp.numerics.tolerance import settings_for, student
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 RADIUS, TOLERANCE = 3.73e-3, 0.05
 FILLS, SEEDS, DRAWS = {30: 0.42, 60: 0.46, 90: 0.48, 120: 0.519}, (1, 2, 3), 9
 """Spheres, and the part of the cavity that they fill: near walls fewer fit."""

@@ -1,6 +1,6 @@
 """What each effect costs, and that one which is off costs nothing: writes docs/effects.md and its chart.
 
-    python scripts/benchmark_effects.py
+    python scripts/documents/effects.py
 
 Three measurements, each of processor time, alternating, medians of the rounds:
 
@@ -27,7 +27,7 @@ from pathlib import Path
 from warpdamp.scene.effects import Effects
 from warpdamp.study.cost import SIMPLEST, TOGGLES, frozen, jammed_bed, moving, remember, within, without
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 FULL = Effects()
 EXTRAS = ("rolling", "sizes", "materials")
 LIMIT = 0.40
@@ -129,7 +129,7 @@ def _write(rows, bare, share, full, full_moving, simplest):
     lines = [
         "# What each effect costs",
         "",
-        f"Written by `python scripts/benchmark_effects.py` on {platform.machine()}, Python "
+        f"Written by `python scripts/documents/effects.py` on {platform.machine()}, Python "
         f"{platform.python_version()}; nanoseconds of processor time per particle-step, medians; float64 unless said "
         f"otherwise.  All effects of the paper's scene together: **{full:.0f} ns** on the frozen contacts, "
         f"{full_moving:.0f} ns in the paper's scene at Gamma 6.  The simplest law (no friction, no dashpots, no "

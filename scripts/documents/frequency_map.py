@@ -1,6 +1,6 @@
 """The phase map of the paper's damper: run or go on with it, fit both optima, and write docs/frequency_map.*.
 
-python scripts/frequency_map.py [--config CONFIG] [--store DIR] [--docs DIR] [--workers N] [--collect]
+python scripts/documents/frequency_map.py [--config CONFIG] [--store DIR] [--docs DIR] [--workers N] [--collect]
 
 May be stopped and started again; --collect only draws what is there.
 """
@@ -90,7 +90,7 @@ def main():
     text = [
         "# Phase map",
         "",
-        f"Written by `python scripts/frequency_map.py` from `{options.config.name}`: {status.size} cases, "
+        f"Written by `python scripts/documents/frequency_map.py` from `{options.config.name}`: {status.size} cases, "
         f"{int(np.sum(status < 20))} of them finished, {int(np.sum(status == 0))} of those steady with the standard "
         f"error asked for; residual of the energy ledger at most {100 * float(small['ledger_residual'].max()):.2g} %; "
         f"{float(dataset['cpu_time'].sum()) / 3600:.2g} hours of processor time. Data: `frequency_map.nc`.",

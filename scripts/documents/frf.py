@@ -1,6 +1,6 @@
 """Frequency response of the paper's beam with its damper, from docs/beam.nc; writes docs/frf.md with its pictures.
 
-python scripts/frf.py
+python scripts/documents/frf.py
 """
 
 from pathlib import Path
@@ -13,7 +13,7 @@ from warpdamp.modal.frf import Structure, accelerance, constant_force
 from warpdamp.modal.identify import fits
 from warpdamp.report.frf import against_gamma, families, force_curves
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 G = 9.81
 FORCES = {  # amplitudes [N] and band [Hz] for each mode
     1: ((0.02, 0.1, 0.3, 0.6, 1.0, 1.2), (35, 45)),
@@ -24,7 +24,7 @@ SHOWN = (0.5, 1, 2, 3, 4, 5, 6, 8, 10, 14)
 FLUIDISED, TWO_SIDED = 3.0, 5.0  # where mode 1 has its shoulder and its optimum in docs/beam.nc
 TEXT = """# Frequency response of the beam with its damper
 
-Written by `scripts/frf.py` from [beam.nc](beam.nc), the results of the main job. The structure is the sum of modes 1, 3
+Written by `scripts/documents/frf.py` from [beam.nc](beam.nc), the results of the main job. The structure is the sum of modes 1, 3
 and 5, the damper the complex mass m′ − j m″ that its simulations found at each Γ, mean of three beds; the bare beam has
 no damping of its own here. The force acts at the damper, as the shaker's does.
 

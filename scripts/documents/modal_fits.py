@@ -1,6 +1,6 @@
 """Modal fits on a synthetic accelerance of three known modes, without and with noise; writes docs/modal-fits.md.
 
-python scripts/modal_fits.py
+python scripts/documents/modal_fits.py
 """
 
 from pathlib import Path
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from warpdamp.modal.fit import Fit, circle_fit, dobson, half_power_band, least_squares, line_fit
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 OWN = np.array([39.5, 280.0, 731.0])
 ZETA = np.array([0.03, 0.008, 0.004])
 PHI = np.array([1.6627, 0.7692, 0.5458])  # the paper's beam with its particles [kg^-0.5]
@@ -24,7 +24,7 @@ READINGS = (
 )
 TEXT = """# Modal fits and their biases
 
-Written by `scripts/modal_fits.py`. A synthetic point accelerance with three modes of the paper's beam: 39.5, 280 and
+Written by `scripts/documents/modal_fits.py`. A synthetic point accelerance with three modes of the paper's beam: 39.5, 280 and
 731 Hz, damping ratios 3, 0.8 and 0.4 %, modal constants {constants} kg⁻¹ (the squares of the mode
 shapes at the mass). Damping is viscous, the fits suppose it hysteretic: none is fed its own model. Each mode is fitted
 in its half-power band, {points} points in equal steps; least squares takes the three bands together.

@@ -1,6 +1,6 @@
 """Modes against closed forms: every figure of docs/modes.md, and the files that configs/ take their modes from.
 
-python scripts/modes.py
+python scripts/documents/modes.py
 
 Takes about two minutes.  Writes docs/modes.md, docs/modes.png, configs/beam_modes.csv and
 configs/bracket.msh.
@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
 from beam_theory import Timoshenko, circle, rectangle, tube  # noqa: E402
@@ -155,7 +155,7 @@ def main():
     save(shapes(beam_modes(tube_beam, tube_damper, highest=3), cantilever.title), ROOT / "docs" / "modes.png")
 
     sections = {"Beams": beam_section(), "Plates": plate_section(), "Known modes": known_section(empty)}
-    text = "# Modes against closed forms\n\nWritten by `scripts/modes.py`.\n"
+    text = "# Modes against closed forms\n\nWritten by `scripts/documents/modes.py`.\n"
     for title, lines in sections.items():
         text += f"\n## {title}\n\n" + "\n".join(lines) + "\n"
     (ROOT / "docs" / "modes.md").write_text(text)

@@ -1,6 +1,6 @@
 """What the presets of accuracy err by, against packings of their own; writes docs/presets.nc.
 
-    python scripts/presets.py
+    python scripts/documents/presets.py
 
 The main job on every eighth of its amplitudes.  The reference: 32 other packings, 200 cycles each, 24 steps a contact.
 Half an hour on two cores; may be stopped and started again (results/presets keeps what is done).
@@ -19,7 +19,7 @@ from warpdamp.analysis.results import write
 from warpdamp.config.study import PRESETS, Config
 from warpdamp.variables import NOT_RUN
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 OTHERS, CYCLES = range(101, 133), 200
 
 

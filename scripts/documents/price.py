@@ -1,6 +1,6 @@
 """What a tolerance saves: the main job at 5 % against the paper's step and one fixed length; writes docs/price.nc.
 
-    python scripts/price.py
+    python scripts/documents/price.py
 
 The main job on every eighth of its amplitudes, both ways in one run, from the same beds.  The fixed length is the
 shortest with which every case would have the standard error that the tolerance gives it: the longest that any steady
@@ -25,7 +25,7 @@ from warpdamp.damper.shake import shake
 from warpdamp.sweep.cases import Cases
 from warpdamp.variables import NOT_RUN
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 TOLERANCE, PAPER_STEP = 0.05, 2e-6
 
 

@@ -1,6 +1,6 @@
 """Run every hard case whole, measure what each guard costs, and write docs/stability.md.
 
-python scripts/stability.py
+python scripts/documents/stability.py
 """
 
 import statistics
@@ -9,7 +9,7 @@ import tempfile
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
 import os  # noqa: E402
@@ -22,7 +22,7 @@ from warpdamp.numerics.timestep import steps_per_cycle  # noqa: E402
 
 HEAD = """# Hard cases
 
-Written by `scripts/stability.py`. Every case either runs, stays finite, contained and closed in energy; or is refused
+Written by `scripts/documents/stability.py`. Every case either runs, stays finite, contained and closed in energy; or is refused
 before it starts; or runs and is flagged by a guard. The guards, on by default: every step, that the state is finite;
 every launch, that all particles are in the cavity; every case, the largest overlap (Hertz's theory ends at a tenth of
 the reduced radius) and the ledger's residual (2 % of the energy turned over). In a sweep each becomes a `status` with a

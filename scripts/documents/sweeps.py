@@ -1,6 +1,6 @@
 """What sweeps take beside the physics, and what they survive; writes docs/sweeps.md.
 
-python scripts/sweep_endurance.py [--cases 10000] [--kills 20] [--docs DIR]
+python scripts/documents/sweeps.py [--cases 10000] [--kills 20] [--docs DIR]
 
 A part of the time goes into the uninterrupted sweep of many small cases; the kills are of a smaller one.
 """
@@ -240,7 +240,7 @@ def main():
     text = [
         "# Sweeps: what they cost and what they survive",
         "",
-        f"Written by `python scripts/sweep_endurance.py --cases {options.cases} --kills {options.kills}` on "
+        f"Written by `python scripts/documents/sweeps.py --cases {options.cases} --kills {options.kills}` on "
         f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}.",
         "",
         "## An uninterrupted sweep",

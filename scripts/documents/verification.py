@@ -1,6 +1,6 @@
 """Run the verification suite at full resolution and write docs/verification.md with its plots.
 
-python scripts/verification.py
+python scripts/documents/verification.py
 """
 
 import re
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
 from verification import dampers, impacts, invariances, motion  # noqa: E402, F401
@@ -18,7 +18,7 @@ from verification.suite import CASES  # noqa: E402
 
 HEAD = """# Verification
 
-Written by `scripts/verification.py`, which runs every case of `tests/verification/` at full resolution; the test suite
+Written by `scripts/documents/verification.py`, which runs every case of `tests/verification/` at full resolution; the test suite
 runs the same cases shortened. A miss is reported as a miss.
 
 """

@@ -4,10 +4,10 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 import xarray as xr
+from conftest import ROOT
 
 
 def warpdamp(*arguments, cwd=None):
@@ -20,7 +20,7 @@ def warpdamp(*arguments, cwd=None):
 def quick(tmp_path_factory):
     """The paper's study, shortened, into a folder that does not exist yet."""
     output = tmp_path_factory.mktemp("cli") / "new" / "folder"
-    return output, warpdamp("run", Path(__file__).parents[1] / "configs" / "beam.yaml", "-o", output, "--quick")
+    return output, warpdamp("run", ROOT / "configs" / "beam.yaml", "-o", output, "--quick")
 
 
 def test_the_papers_study_runs_shortened(quick):
@@ -63,7 +63,7 @@ def test_modes(config_path):
 
 
 def test_modes_can_be_drawn_and_written(tmp_path):
-    config = Path(__file__).parents[1] / "configs" / "cantilever.yaml"
+    config = ROOT / "configs" / "cantilever.yaml"
     for name, head in (("modes.png", b"\x89PNG"), ("modes.csv", b"mode,frequency_Hz"), ("modes.uff", b"    -1")):
         done = warpdamp("modes", config, "-o", tmp_path / name)
         assert done.returncode == 0, done.stderr
@@ -75,7 +75,7 @@ def test_modes_can_be_drawn_and_written(tmp_path):
 
 
 def test_known_modes_are_shown_as_the_particles_make_them():
-    done = warpdamp("modes", Path(__file__).parents[1] / "configs" / "modes_given.yaml")
+    done = warpdamp("modes", ROOT / "configs" / "modes_given.yaml")
     assert done.stdout.count("of particles") == 1
     assert "39.40" in done.stdout
 

@@ -1,15 +1,15 @@
 """Any YAML is read or refused with a clear line; never a traceback."""
 
 import io
-from pathlib import Path
 
+from conftest import ROOT
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
 from warpdamp import ConfigError, load
 
-BASE = YAML(typ="safe").load(Path(__file__).parents[1] / "configs" / "beam.yaml")
+BASE = YAML(typ="safe").load(ROOT / "configs" / "beam.yaml")
 SCALARS = st.one_of(
     st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=12), st.just("auto"), st.just("modes"),
     st.builds(lambda number, unit: f"{number} {unit}", st.floats(), st.sampled_from(["mm", "GPa", "Hz", "%", "kg", "foo"])),

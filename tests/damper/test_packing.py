@@ -1,10 +1,10 @@
 """Beds that fit, rest, and are reproducible."""
 
 import logging
-from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import ROOT
 from scipy.spatial.distance import pdist
 
 from warpdamp import Cylinder, Grains, PackingError, Request, State, prepare
@@ -17,7 +17,7 @@ from warpdamp.numerics.timestep import Numerics
 RADIUS = 3.73e-3
 PAPER = Grains.alike(RADIUS, 120)
 CAVITY = Cylinder(0.04, 0.04)
-DATA = Path(__file__).parent / "data"
+DATA = ROOT / "tests" / "data"
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

@@ -62,7 +62,7 @@ def test_least_squares_returns_hysteretic_modes_exactly():
 
 @pytest.mark.parametrize("hysteretic", [False, True])
 def test_dobson_circle_and_least_squares_are_within_one_per_cent(hysteretic):
-    """The figure asked for, on three modes, whatever the damping; scripts/modal_fits.py prints the errors."""
+    """The figure asked for, on three modes, whatever the damping; scripts/documents/modal_fits.py prints the errors."""
     bands = [sampled(mode, hysteretic=hysteretic) for mode in range(3)]
     rows = [[fit(*band) for band in bands] for fit in (dobson, circle_fit)]
     rows.append(least_squares(*joined(bands), rows[0]))

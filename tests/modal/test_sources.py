@@ -1,10 +1,10 @@
 """From the configuration's structure to modes: every source, its errors, and the examples in configs/."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import ROOT
 from ruamel.yaml import YAML
 
 import warpdamp
@@ -12,7 +12,6 @@ from warpdamp import ConfigError, load
 from warpdamp.modal.from_config import modes
 from warpdamp.modal.mode_csv import read_csv
 
-ROOT = Path(__file__).parents[1]
 PARTICLES = 0.0239985
 REST = """
 damper:

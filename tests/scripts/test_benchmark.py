@@ -2,10 +2,9 @@
 
 import re
 
-import benchmark
 import numpy as np
 import pytest
-from benchmarks import document, peers, scaling, startup
+from benchmarks import benchmark, document, peers, scaling, startup
 from benchmarks.damper import DT, FREQUENCY, RADIUS, STEPS_PER_CYCLE, cavity, damper
 
 from warpdamp import State, load

@@ -3,17 +3,16 @@
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import ROOT
 
 import warpdamp
 from warpdamp.status import Status
 from warpdamp.study.explain import explain
 
-ROOT = Path(__file__).parents[1]
 MAP = (ROOT / "configs" / "frequency_map.yaml").read_text()
 THIN_MAP = (
     MAP.replace("diameter: 40 mm, height: 40 mm", "diameter: 24 mm, height: 20 mm")
@@ -53,7 +52,7 @@ def test_the_frequency_map_of_a_small_damper(tmp_path):
     with xr.open_dataset(tmp_path / "map.nc") as part:
         assert 0 < int((part["status"] == Status.NOT_RUN).sum()) < 48
         assert "not_run" in part["status"].attrs["flag_meanings"].split()
-    script = ROOT / "scripts" / "frequency_map.py"
+    script = ROOT / "scripts" / "documents" / "frequency_map.py"
     said = python(
         script,
         "--config",

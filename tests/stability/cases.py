@@ -1,4 +1,4 @@
-"""The hard cases, as data and functions; shortened in the tests, whole in ``scripts/stability.py``."""
+"""The hard cases, as data and functions; shortened in the tests, whole in ``scripts/documents/stability.py``."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 """Any scalar, by its path, is an axis; what is wrong with a sweep is said at its line."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import ROOT
 
 from warpdamp import ConfigError, load
 from warpdamp.execution.batching import batches
@@ -99,10 +99,9 @@ def test_zipped_groups_share_a_dimension(study):
 
 
 def test_the_readmes_example_is_valid(tmp_path):
-    root = Path(__file__).parents[1]
-    example = re.search(r"```yaml\n(sweep:.*?)```", (root / "README.md").read_text(), re.DOTALL)[1]
+    example = re.search(r"```yaml\n(sweep:.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)[1]
     (tmp_path / "points.csv").write_text("rolling_friction\n0.01\n")
-    base = (root / "configs" / "beam.yaml").read_text()
+    base = (ROOT / "configs" / "beam.yaml").read_text()
     (tmp_path / "study.yaml").write_text(base + example)
     cases = Cases(load(tmp_path / "study.yaml"))
     assert cases.dims == ("frequency", "gamma", "friction", "count", "preparation", "case", "seed")

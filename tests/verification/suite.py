@@ -1,6 +1,6 @@
 """A verification case: what is set up, what it is compared with, and how far off it may be, and why.
 
-The cases are data and functions; the tests run them shortened, ``scripts/verification.py`` at full resolution.
+The cases are data and functions; the tests run them shortened, ``scripts/documents/verification.py`` at full resolution.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
  *
  * The same steps for touching pairs (kernels/pairs.py, kernels/contact.py, with friction, rotation, dashpots and the
  * ledger's channels), W pairs side by side: gather, law, scatter.  W = 1 is the scalar loop.  Compiled by
- * scripts/limit/measure.py, which feeds it the contacts of a real bed.
+ * scripts/benchmarks/limit/measure.py, which feeds it the contacts of a real bed.
  */
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 """What the contact law costs in plain C on this machine: the limit that the kernels are held against.
 
-    python scripts/limit/measure.py      (needs gcc or clang)
+    python scripts/benchmarks/limit/measure.py      (needs gcc or clang)
 
 One pair at a time and eight side by side, on the touching pairs of the jammed bed that `warpdamp.speed.frozen` uses.
 """
