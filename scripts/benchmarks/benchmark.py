@@ -17,10 +17,11 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from benchmarks import document, peers, scaling, startup  # noqa: E402
+from documents.shared import write_document
+
+from benchmarks import document, peers, scaling, startup
 
 GROUPS = {
     "peers": peers.compare,
@@ -175,7 +176,7 @@ def main() -> int:
     lines, missed = verdicts({name: statistics.median(values) for name, values in samples.items()})
     print("\n".join(lines))
     if asked.document:
-        (ROOT / "docs" / "benchmark.md").write_text(document.text(METRICS, samples, machine))
+        write_document("benchmark.md", *document.blocks(__file__, METRICS, samples, machine))
     return 1 if missed else 0
 
 

@@ -18,8 +18,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from scipy.optimize import brentq
+from shared import DOCS, ROOT, head, table, write_document
 
-from warpdamp import Batch, Case, Cylinder, Drive, Material, Scene, State, Surface, load, run
+from warpdamp import Batch, Case, Cylinder, Material, State, Surface, load, run
 from warpdamp.config.build import grains
 from warpdamp.damper.case import Request
 from warpdamp.damper.preparation import prepare, settle
@@ -28,16 +29,7 @@ from warpdamp.files import whole_file
 from warpdamp.modal.beam import beam_modes
 from warpdamp.modal.from_config import beam
 from warpdamp.numerics.timestep import steps_per_cycle
-
-ROOT = Path(__file__).parents[2]
-RADIUS = 3.73e-3
-PMMA = Material(920, 3.3e9, 0.37)
-
-
-def damper(frequency=46.0, gamma=0.0, restitution=0.52, friction=0.86, cavity=Cylinder(0.04, 0.04), gravity=9.81):  # noqa: B008
-    surface = Surface(restitution, friction)
-    drive = Drive(frequency, gamma * 9.81) if gamma else None
-    return Scene(PMMA, PMMA, surface, surface, cavity, (0, 0, -gravity), drive)
+from warpdamp.scene.paper import COUNT, FREQUENCY, RADIUS, damper
 
 
 def shake(scene, states, dt, cycles):
@@ -47,7 +39,7 @@ def shake(scene, states, dt, cycles):
     return [batch.cycles(k) for k in range(len(states))]
 
 
-def effectiveness(ledger, scene, particles=120):
+def effectiveness(ledger, scene, particles=COUNT):
     mass = particles * float(scene.mass(RADIUS))
     return float(np.mean(ledger.per_cycle())) / maximum_energy(scene.drive, mass)
 
@@ -55,55 +47,58 @@ def effectiveness(ledger, scene, particles=120):
 def modes_section():
     config = load(ROOT / "configs" / "beam.yaml")
     reference = {0.0: [40.742, 281.12, 729.88], 0.0239985: [39.367, 278.97, 727.03]}
-    lines = ["| particles | nu | mode 1 | mode 3 | mode 5 |", "|---|---|---|---|---|"]
+    rows = []
     for nu in (0.3, 0.0):
         own, empty = beam(config)
         own = replace(own, material=Material(7800, 210e9, nu))
         for mass, expected in reference.items():
             found = beam_modes(own, empty.loaded(mass)).pick([1, 3, 5]).frequency
             off = [f"{f:.2f} Hz ({100 * (f / e - 1):+.2f} %)" for f, e in zip(found, expected, strict=True)]
-            lines.append(f"| {1e3 * mass:.1f} g | {nu} | {' | '.join(off)} |")
-    return "Against Timoshenko's theory (limits: 0.5 %, with nu = 0 0.2 %):", *lines
+            rows.append([f"{1e3 * mass:.1f} g", nu, *off])
+    heading = ["particles", "nu", "mode 1", "mode 3", "mode 5"]
+    return "Against Timoshenko's theory (limits: 0.5 %, with nu = 0 0.2 %):", table(heading, rows)
 
 
 def one_ball_section():
-    lines = ["| q | closed form | found | off |", "|---|---|---|---|"]
+    rows = []
     e, f, clearance = 0.52, 10.0, 0.02
     k = (1 + e) / (1 - e)
     for q in (0.15, 0.20, 0.30):
         phase = brentq(lambda p, q=q: math.pi * k * math.cos(p) + 2 * math.sin(p) - 1 / q, -math.pi / 2, 0)
         gamma = q * clearance * (2 * math.pi * f) ** 2 / 9.81
-        scene = damper(f, gamma, e, 0.0, Cylinder(0.04, clearance + 2 * RADIUS), gravity=0.0)
+        scene = damper(f, gamma, surface=Surface(e, 0.0), cavity=Cylinder(0.04, clearance + 2 * RADIUS), gravity=0.0)
         ball = State.at_rest([[0, 0, RADIUS]], RADIUS)
         ball.velocity[0, 2] = 2 * clearance * f - scene.drive.speed
         (ledger,) = shake(scene, [ball], 2e-7, 40)
         expected, found = k * math.cos(phase) ** 2, effectiveness(ledger.between(20, 40), scene, 1)
-        lines.append(f"| {q:.2f} | {expected:.4f} | {found:.4f} | {100 * (found / expected - 1):+.2f} % |")
-    lines += [
-        "",
-        "A nearly plastic ball (e = 0.02) under gravity, 46 Hz; closed form: maximum 0.565 at Gamma 2.58:",
-        "",
-    ]
+        rows.append([f"{q:.2f}", f"{expected:.4f}", f"{found:.4f}", f"{100 * (found / expected - 1):+.2f} %"])
     gammas = np.arange(2.40, 2.80, 0.02)
     found = []
     for gamma in gammas:
-        scene = damper(46.0, gamma, 0.02, 0.0)
+        scene = damper(gamma=gamma, surface=Surface(0.02, 0.0))
         (ledger,) = shake(scene, [State.at_rest([[0, 0, RADIUS]], RADIUS)], 5e-7, 14)
         found.append(effectiveness(ledger.between(8, 14), scene, 1))
     best = int(np.argmax(found))
-    lines.append(f"maximum {found[best]:.4f} at Gamma {gammas[best]:.2f} (steps of 0.02)")
-    return "One frictionless sphere between floor and lid, zero gravity (limit 0.5 %):", *lines
+    return (
+        "One frictionless sphere between floor and lid, zero gravity (limit 0.5 %):",
+        table(["q", "closed form", "found", "off"], rows),
+        "A nearly plastic ball (e = 0.02) under gravity, 46 Hz; closed form: maximum 0.565 at Gamma 2.58:",
+        f"maximum {found[best]:.4f} at Gamma {gammas[best]:.2f} (steps of 0.02)",
+    )
+
+
+def loose_beds():
+    return [State.at_rest(np.loadtxt(ROOT / "tests" / "data" / f"loose_bed_{s}.txt"), RADIUS) for s in (1, 2, 3)]
 
 
 def bed_section():
-    lines = ["| Gamma | independent codes | found, three packings | mean |", "|---|---|---|---|"]
-    beds = [State.at_rest(np.loadtxt(ROOT / "tests" / "data" / f"loose_bed_{s}.txt"), RADIUS) for s in (1, 2, 3)]
-    beds = [settle(damper(), bed, time=0.2) for bed in beds]
+    loose, compacted = [], []
+    beds = [settle(damper(gamma=0), bed, time=0.2) for bed in loose_beds()]
     for gamma, codes in ((1.0, "under 0.01"), (3.0, "0.44 ± 0.04"), (6.0, "0.31 ± 0.05")):
-        scene = damper(46.0, gamma)
-        dt = 1 / (46.0 * steps_per_cycle(scene, beds[0]))
+        scene = damper(gamma=gamma)
+        dt = 1 / (FREQUENCY * steps_per_cycle(scene, beds[0]))
         eps = [effectiveness(ledger.between(4, 13), scene) for ledger in shake(scene, beds, dt, 13)]
-        lines.append(f"| {gamma:g} | {codes} | {', '.join(f'{x:.3f}' for x in eps)} | {np.mean(eps):.3f} |")
+        loose.append([f"{gamma:g}", codes, ", ".join(f"{x:.3f}" for x in eps), f"{np.mean(eps):.3f}"])
 
     text = (ROOT / "configs" / "beam.yaml").read_text()
     text = text.replace("frequency: modes  ", "frequency: 46 Hz  ")
@@ -113,76 +108,61 @@ def bed_section():
         path = Path(folder) / "bed.yaml"
         path.write_text(text)
         steady = run(path)
-    lines += [
-        "",
-        "Compacted, steady, 46 Hz:",
-        "",
-        "| Gamma | asked for | found, three packings | mean |",
-        "|---|---|---|---|",
-    ]
     for gamma, asked in ((1.0, "under 0.01"), (3.0, "0.50-0.60"), (6.0, "0.62-0.70")):
         at = steady.sel(gamma=gamma).squeeze("frequency")
         found = [
             f"{x:.3f} ± {s:.3f}"
             for x, s in zip(at["effectiveness"].values, at["effectiveness_standard_error"].values, strict=True)
         ]
-        lines.append(f"| {gamma:g} | {asked} | {', '.join(found)} | {float(at['effectiveness'].mean()):.3f} |")
+        compacted.append([f"{gamma:g}", asked, ", ".join(found), f"{float(at['effectiveness'].mean()):.3f}"])
     clearance = ", ".join(f"{1e3 * c:.2f}" for c in at["clearance"].values)
-    lines += [
-        "",
+    config = load(ROOT / "configs" / "beam.yaml")
+    fresh = [prepare(Request(damper(gamma=0), grains(config), seed, "loose")) for seed in config.seeds]
+    scene = damper()
+    ledgers = shake(scene, beds, 1 / (FREQUENCY * steps_per_cycle(scene, beds[0])), 90)
+    tens = [np.mean([effectiveness(x.between(k, k + 10), scene) for x in ledgers]) for k in range(0, 90, 10)]
+    return (
+        "Loose start, settled 0.2 s, cycles 5-13 at 46 Hz:",
+        table(["Gamma", "independent codes", "found, three packings", "mean"], loose),
+        "Compacted, steady, 46 Hz:",
+        table(["Gamma", "asked for", "found, three packings", "mean"], compacted),
         "At Gamma 6 a bed has more than one steady state and goes from one to another "
         "([bed-states.md](bed-states.md)); what was asked for is of its first hundred cycles.  ± is of the average "
         "over cycles alone.",
-        "",
         f"Clearance, compacted: {clearance} mm (eq. 2 says 2.2-2.3 mm).",
-    ]
-
-    config = load(ROOT / "configs" / "beam.yaml")
-    fresh = [prepare(Request(damper(), grains(config), seed, "loose")) for seed in config.seeds]
-    lines += ["", f"Clearance, loose: {', '.join(f'{1e3 * bed.clearance:.2f}' for bed in fresh)} mm."]
-    scene = damper(46.0, 6.0)
-    dt = 1 / (46.0 * steps_per_cycle(scene, beds[0]))
-    lines += [
-        "",
+        f"Clearance, loose: {', '.join(f'{1e3 * bed.clearance:.2f}' for bed in fresh)} mm.",
         "A loose start at Gamma 6, effectiveness over cycles 1-10, 11-20, ... 81-90, mean of three packings:",
-        "",
-    ]
-    ledgers = shake(scene, beds, dt, 90)
-    tens = [np.mean([effectiveness(x.between(k, k + 10), scene) for x in ledgers]) for k in range(0, 90, 10)]
-    lines.append(", ".join(f"{x:.2f}" for x in tens))
-    return "Loose start, settled 0.2 s, cycles 5-13 at 46 Hz:", *lines
+        ", ".join(f"{x:.2f}" for x in tens),
+    )
 
 
 def ledger_section():
-    lines = ["| step [us] | residual / dissipation, three packings | harmonic work / work input |", "|---|---|---|"]
-    beds = [State.at_rest(np.loadtxt(ROOT / "tests" / "data" / f"loose_bed_{s}.txt"), RADIUS) for s in (1, 2, 3)]
-    scene = damper(46.0, 6.0)
+    rows, beds, scene = [], loose_beds(), damper()
     for dt in (4e-6, 2e-6, 1e-6, 5e-7):
         ledgers = [ledger.between(2, 6) for ledger in shake(scene, beds, dt, 6)]
         left = [abs(x.residual[-1]) / (x.dissipated[-1] - x.dissipated[0]) for x in ledgers]
         ratio = [4 * harmonic_work(x.reaction(scene.drive), scene.drive) / x.change("work_input") for x in ledgers]
-        lines.append(
-            f"| {1e6 * dt:g} | {', '.join(f'{100 * x:.3f} %' for x in left)} | {', '.join(f'{x:.4f}' for x in ratio)} |"
-        )
-    return "The paper's bed, 46 Hz, Gamma 6, cycles 3-6:", *lines
+        cells = ", ".join(f"{100 * x:.3f} %" for x in left), ", ".join(f"{x:.4f}" for x in ratio)
+        rows.append([f"{1e6 * dt:g}", *cells])
+    heading = ["step [us]", "residual / dissipation, three packings", "harmonic work / work input"]
+    return "The paper's bed, 46 Hz, Gamma 6, cycles 3-6:", table(heading, rows)
 
 
 def main_job_section():
-    lines, said = [], []
+    times, said = [], []
     for name, extra in (("main job", []), ("with --quick", ["--quick"])):
         with tempfile.TemporaryDirectory() as cold:
             environment = os.environ | {"WARPDAMP_CACHE": cold}
             command = [sys.executable, "-m", "warpdamp", "run", ROOT / "configs" / "beam.yaml", "-o", cold, *extra]
             started = time.perf_counter()
             done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-            lines.append(f"- {name}: {time.perf_counter() - started:.0f} s")
+            times.append(f"- {name}: {time.perf_counter() - started:.0f} s")
             said.append(done.stdout.strip().replace(cold, "docs"))
             if not extra:
                 for file in ("beam.nc", "beam.png"):
-                    with whole_file(ROOT / "docs" / file) as part:
+                    with whole_file(DOCS / file) as part:
                         shutil.copy(Path(cold) / file, part)
-    lines += ["", "```", said[0], "```", ""]
-    with xr.open_dataset(ROOT / "docs" / "beam.nc") as dataset:
+    with xr.open_dataset(DOCS / "beam.nc") as dataset:
         steady = dataset["status"] == 0
         apart = np.maximum(
             abs(dataset["work_input"] - dataset["energy_dissipated"]),
@@ -190,13 +170,16 @@ def main_job_section():
         )
         ideal = dataset["energy_dissipated"] / dataset["effectiveness"]
         allowed = np.maximum(0.01 * dataset["energy_dissipated"], 1e-3 * ideal)
-        lines.append(f"- cases: {dataset['status'].size}, steady: {int(steady.sum())}")
-        lines.append(f"- ledger residual: at most {100 * float(dataset['ledger_residual'].max()):.2f} % (limit 0.5 %)")
         within = int((apart <= allowed).where(steady).sum())
-        lines.append(f"- work input, dissipation and harmonic within 1 % or 1e-3 E_max: {within} of the steady cases")
-        rate = float(120 * dataset["steps"].sum() / dataset["cpu_time"].sum())
-        lines.append(f"- throughput: {rate / 1e6:.1f} million particle-steps a second and core, ledger on (limit 9)")
-    return "Two cores, cold caches (no kernel compiled, no bed made); limits: 10 minutes and 60 s:", *lines
+        rate = float(COUNT * dataset["steps"].sum() / dataset["cpu_time"].sum())
+        figures = (
+            f"- cases: {dataset['status'].size}, steady: {int(steady.sum())}",
+            f"- ledger residual: at most {100 * float(dataset['ledger_residual'].max()):.2f} % (limit 0.5 %)",
+            f"- work input, dissipation and harmonic within 1 % or 1e-3 E_max: {within} of the steady cases",
+            f"- throughput: {rate / 1e6:.1f} million particle-steps a second and core, ledger on (limit 9)",
+        )
+    lead = "Two cores, cold caches (no kernel compiled, no bed made); limits: 10 minutes and 60 s:"
+    return lead, "\n".join(times), f"```\n{said[0]}\n```", "\n".join(figures)
 
 
 def main():
@@ -207,17 +190,12 @@ def main():
         "The paper's bed": bed_section,
         "Energy ledger": ledger_section,
     }
-    text = [
-        "# Acceptance of the main job",
-        "",
-        "Written by `scripts/documents/acceptance.py`; every figure below is measured by it.",
-    ]
+    blocks = [head("Acceptance of the main job", __file__) + "; every figure below is measured by it."]
     for title, section in sections.items():
         started = time.perf_counter()
-        lead, *lines = section()
-        text += ["", f"## {title}", "", lead, "", *lines]
+        blocks += [f"## {title}", *section()]
         print(f"{title}: {time.perf_counter() - started:.0f} s", flush=True)
-    (ROOT / "docs" / "acceptance.md").write_text("\n".join(text) + "\n")
+    write_document("acceptance.md", *blocks)
 
 
 if __name__ == "__main__":

@@ -9,17 +9,13 @@ read what the scripts of these names write to docs.
 
 from __future__ import annotations
 
-import os
 import sys
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
-from multiprocessing import get_context
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from shared import DOCS, ROOT, head, processes, table, write_document
 
-from warpdamp import Batch, Case, Drive, Grains, load
+from warpdamp import Batch, Case, Grains, load
 from warpdamp.analysis.accuracy import averaged, chance, cheapest, step_errors, systematic, transient
 from warpdamp.analysis.results import write
 from warpdamp.config.study import PRESETS
@@ -33,17 +29,14 @@ from warpdamp.numerics.tolerance import (
     STEP_ERROR,
     TIGHT_FILL,
     TIGHT_MEMORY,
-    plan,
+    settings_for,
     step_error,
     student,
 )
 from warpdamp.report.accuracy import PARTS, budget, budget_table, work_precision
-from warpdamp.scene.scene import STANDARD_GRAVITY
+from warpdamp.scene.paper import RADIUS, damper
 from warpdamp.study.accuracy import points_of, study
-from warpdamp.sweep.cases import Cases
 
-ROOT = Path(__file__).parents[2]
-DOCS = ROOT / "docs"
 SEEDS = [1, 2, 3, 4]
 USUAL = "steps_per_contact=24"
 DILUTE, DILUTE_CYCLES, STATIONARY = 30, (100, 600), DOCS / "stationary.nc"
@@ -59,16 +52,16 @@ def cycles(spec) -> int:
 def simulate() -> None:
     """Run every variation and keep the series."""
     config = load(ROOT / "configs" / "beam.yaml").model_copy(update={"seeds": SEEDS})
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as executor:
+    with processes() as executor:
         runs = study(points_of(config), cycles, executor, report=lambda done: print(f"{100 * done:.0f} %", flush=True))
     runs = runs.assign_attrs(title="Energies of cycles of the paper's damper, by numerical choice")
     write(runs, DOCS / "accuracy.nc")
 
 
-def dilute(paper: Request, seed: int) -> np.ndarray:
+def dilute(seed: int) -> np.ndarray:
     """Energies per cycle [J] of a bed that remembers nothing: few of the paper's spheres, thrown about."""
-    scene = paper.scene.driven(Drive(46.0, 6 * STANDARD_GRAVITY))
-    request = Request(scene, Grains.alike(paper.grains.radius[0], DILUTE), seed, "loose")
+    scene = damper()
+    request = Request(scene, Grains.alike(RADIUS, DILUTE), seed, "loose")
     steps = steps_per_cycle(scene, request.grains, steps_per_contact=24)
     case = Case(scene, prepare(request).state, 1 / (scene.drive.frequency * steps))
     batch = Batch([case], max_rows=sum(DILUTE_CYCLES) + 1)
@@ -78,17 +71,15 @@ def dilute(paper: Request, seed: int) -> np.ndarray:
 
 def simulate_stationary() -> None:
     """Run the dilute bed and keep its series."""
-    paper = next(iter(Cases(load(ROOT / "configs" / "beam.yaml")).specs())).bed
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as executor:
-        series = np.array(list(executor.map(partial(dilute, paper), range(1, 9))))
+    with processes() as executor:
+        series = np.array(list(executor.map(dilute, range(1, 9))))
     title = f"Energies of cycles of {DILUTE} spheres in the paper's cavity at 46 Hz and Gamma 6"
     write(xr.Dataset({"energy": (("seed", "cycle"), series, {"units": "J"})}, attrs={"title": title}), STATIONARY)
 
 
 def stationary_section() -> list[str]:
     """What averaging leaves where nothing else is in the way."""
-    with xr.open_dataset(STATIONARY) as stored:
-        series = stored["energy"].values
+    series = xr.load_dataset(STATIONARY)["energy"].values
     found = np.array(averaged(series, (5, 10, 20, 40, 80)))
     slope = np.polyfit(np.log(found[:, 0]), np.log(found[:, 1]), 1)[0]
     rows = []
@@ -99,25 +90,17 @@ def stationary_section() -> list[str]:
     packing = chance(series).packing
     return [
         "## Where cycles are stationary",
-        "",
         f"{DILUTE} spheres in the same cavity at 46 Hz and Gamma 6: thrown about, they hold no state.  Eight beds, "
         f"{series.shape[1]} cycles each after {DILUTE_CYCLES[0]}: error of averages over n cycles, as observed from "
         "window to window, and as one window claims it (root mean squares).  It falls with the slope "
         f"**{slope:.2f}** (one over the root: -0.5); beds differ by {100 * packing:.1f} % beyond it.",
-        "",
-        *table(["n", "observed", "claimed"], rows),
-        "",
+        table(["n", "observed", "claimed"], rows),
     ]
 
 
 def rms(values) -> float:
     """Root mean square."""
     return float(np.sqrt((values**2).mean()))
-
-
-def table(heading: list[str], rows: list[list[str]]) -> list[str]:
-    """Of Markdown."""
-    return [f"| {' | '.join(row)} |" for row in (heading, ["---"] * len(heading), *rows)]
 
 
 def name(runs, p) -> str:
@@ -145,14 +128,10 @@ def systematic_section(runs, errors) -> list[str]:
     same = all(np.array_equal(other, usual, equal_nan=True) for other in skins)
     return [
         "## Each choice by itself",
-        "",
         "Error of the energy per cycle against the reference [%], with its standard error, bed by bed from the same "
         "start; cost per cycle relative to the usual choice (24 steps a contact, float64, compacted bed).",
-        "",
-        *table(heading, rows),
-        "",
+        table(heading, rows),
         f"The neighbour skin changes {'no bit of any cycle' if same else 'RESULTS, which is an error'}.",
-        "",
     ]
 
 
@@ -178,19 +157,14 @@ def step_section(runs, errors) -> list[str]:
     left = float(abs(runs["residual"].sel(variation="steps_per_contact=10")).mean())
     return [
         "## The step",
-        "",
         "Upper bound of the step's error by a law of second order, fitted to all steps (one standard error included), "
         "and the ledger's residual [%]; slope of the residual's fall.",
-        "",
-        *table(["point", *(f"N = {n}" for n in steps), "slope"], rows),
-        "",
+        table(["point", *(f"N = {n}" for n in steps), "slope"], rows),
         f"All six points together are off by {100 * pooled:+.2f} ± {100 * chance_of_it:.2f} % at N = 10, which is "
         f"{100 * pooled * (10 / 24) ** 2:+.2f} % at N = 24, and {pooled / left:.1f} times the residual.  Point by "
         f"point chance is larger than that: bounds of {min(ratios):.1f} to {max(ratios):.1f} times the residual.  A "
         f"study takes {RESIDUAL_FACTOR:g} times the residual as a case's step error, and {100 * STEP_ERROR:g} % at 24 "
-        "steps "
-        "when it chooses the step beforehand.",
-        "",
+        "steps when it chooses the step beforehand.",
     ]
 
 
@@ -212,17 +186,12 @@ def averaging_section(runs) -> list[str]:
         )
     return [
         "## Averaging, discarding, packings",
-        "",
         "Standard error of one uncorrelated cycle [%] (n of them leave it over root n); slope of the observed error of "
         "averages over n cycles (-0.5 where cycles are stationary); standard deviation between packings [%]; error of "
         "an average over half the run after 0, 10, 40 cycles discarded [%], compacted and loose beds: a loose bed "
         "drifts, and no averaging mends that; nor does it mend what beds in different states (docs/bed-states.md) "
         "differ by, which is why slopes are flatter than -0.5 here.",
-        "",
-        *table(
-            ["point", "one cycle", "slope", "packings", "0", "10", "40", "loose, 0", "loose, 10", "loose, 40"], rows
-        ),
-        "",
+        table(["point", "one cycle", "slope", "packings", "0", "10", "40", "loose, 0", "loose, 10", "loose, 40"], rows),
     ]
 
 
@@ -231,13 +200,9 @@ def budget_section(runs) -> list[str]:
     rows = [[name(runs, p), *(f"{100 * part:.2f}" for part in parts)] for p, parts in enumerate(budget_table(runs))]
     return [
         "## Error budget",
-        "",
         "Of 24 steps a contact, 60 cycles averaged, three packings [% of the energy per cycle].",
-        "",
-        *table(["point", *PARTS], rows),
-        "",
+        table(["point", *PARTS], rows),
         "![budget](accuracy-budget.png)",
-        "",
     ]
 
 
@@ -254,36 +219,29 @@ def cheapest_section(runs, errors) -> list[str]:
         rows.append([name(runs, p), *cells])
     return [
         "## The cheapest settings for an error",
-        "",
         "Steps a contact, packings x cycles averaged: core-seconds (a transient of half the cycles averaged included, "
         "the beds not).",
-        "",
-        *table(["point", "10 %", "5 %", "2 %", "1 %"], rows),
-        "",
+        table(["point", "10 %", "5 %", "2 %", "1 %"], rows),
         "![work and precision](accuracy.png)",
-        "",
         "What `accuracy: {tolerance: ...}` chooses:",
-        "",
-        *table(
+        table(
             ["preset", "tolerance", "steps a contact", "step's error at most", "left to each case"],
             [
-                [preset, f"{100 * t:g} %", f"{plan(t).steps_per_contact:.0f}"]
-                + [f"{100 * step_error(plan(t).steps_per_contact):.2f} %", f"{100 * plan(t).standard_error:.2f} %"]
+                [preset, f"{100 * t:g} %", f"{chosen.steps_per_contact:.0f}"]
+                + [f"{100 * step_error(chosen.steps_per_contact):.2f} %", f"{100 * chosen.standard_error:.2f} %"]
                 for preset, t in PRESETS.items()
+                for chosen in [settings_for(t)]
             ],
         ),
-        "",
         "The motion is float64 at every tolerance, unless `numerics.precision` says otherwise: float32 saves "
         f"{100 * (1 - float32):.0f} % of the time (above), and a bed that hardly moves drowns in its rounding "
         "(docs/stability.md).",
-        "",
     ]
 
 
 def coverage_section() -> list[str]:
     """Whether intervals hold."""
-    with xr.open_dataset(DOCS / "coverage.nc") as cases:
-        cases = cases.load()
+    cases = xr.load_dataset(DOCS / "coverage.nc")
     inside = (abs(cases["claimed"] - cases["reference"]) <= cases["interval"]).values
     averaged = (abs(cases["claimed"] - cases["reference"]) <= cases["averaging_interval"]).values
     steady = (cases["status"] == 0).values
@@ -307,13 +265,11 @@ def coverage_section() -> list[str]:
         )
     return [
         "## Do the intervals hold?",
-        "",
-        "Written from scripts/documents/coverage.py: each case runs as with a tolerance of 5 %; the reference is the mean of the "
+        "Written from `coverage.py`: each case runs as with a tolerance of 5 %; the reference is the mean of the "
         "same bed over eight times as many cycles afterwards, at least 300.  Share of steady cases whose 95 % "
         "interval holds the reference (asked for: 90-99 %), the share that the average over cycles alone would hold, "
         "the interval's mean half-width, the reference's own standard error, and by how much claims are off (root mean "
         "square, and at most).",
-        "",
         "The average over cycles alone is not enough, and no length that anybody waits for makes it so: a bed stays in "
         "one of many states for hundreds to thousands of cycles, with small fluctuations about a level that is its "
         f"own.  Each claim therefore carries {100 * LOOSE_MEMORY:g} % for the state that its bed happens to be in, "
@@ -322,8 +278,7 @@ def coverage_section() -> list[str]:
         "taken to be like these, which nobody measured.  Packings are in different states and average this part out; "
         "what all of them do alike, they do not: compacted tight beds dissipate up to a tenth more after some hundred "
         "cycles than at first.",
-        "",
-        *table(
+        table(
             [
                 "cases",
                 "drawn",
@@ -337,21 +292,18 @@ def coverage_section() -> list[str]:
             ],
             rows,
         ),
-        "",
     ]
 
 
 def price_section() -> list[str]:
     """What a tolerance saves."""
-    with xr.open_dataset(DOCS / "price.nc") as price:
-        price = price.load()
+    price = xr.load_dataset(DOCS / "price.nc")
     off = (price["claimed"] / price["fixed"]).values - 1
     claimed = rms(price["claimed_error"] / price["claimed"])
     bought, paid = float(price["tolerance_cpu_time"]), float(price["fixed_cpu_time"])
     return [
         "## What a tolerance saves",
-        "",
-        "Written from scripts/documents/price.py: the main job at Gamma 2, 6 and 13, at `tolerance: 5 %`, and at the paper's "
+        "Written from `price.py`: the main job at Gamma 2, 6 and 13, at `tolerance: 5 %`, and at the paper's "
         f"step of 2e-6 s with one fixed length, {int(price['fixed_cycles'])} cycles, with which every case has the "
         f"standard error that the tolerance gives it.  Core-seconds of the cases: {bought:.0f} against {paid:.0f}, "
         f"**{100 * bought / paid:.0f} %** (asked for: at most 25 %), for {int(price['tolerance_cases'])} cases against "
@@ -360,14 +312,12 @@ def price_section() -> list[str]:
         f"{price.sizes['point']}; the others say that they are not.  Against the fixed runs, which use three of the "
         f"same packings, energies are off by {100 * rms(off):.1f} % (root mean square; at most "
         f"{100 * abs(off).max():.0f} %), and the standard error claimed is {100 * claimed:.1f} % (root mean square).",
-        "",
     ]
 
 
 def presets_section() -> list[str]:
     """What the presets err by."""
-    with xr.open_dataset(DOCS / "presets.nc") as presets:
-        presets = presets.load()
+    presets = xr.load_dataset(DOCS / "presets.nc")
     rows = []
     for preset, tolerance in PRESETS.items():
         at = presets.sel(preset=preset)
@@ -385,33 +335,27 @@ def presets_section() -> list[str]:
     heading = "preset, tolerance, claimed, off, at most, interval holds, within tolerance, step, packings, cycles"
     return [
         "## What the presets err by",
-        "",
-        f"Written from scripts/documents/presets.py: the main job at Gamma 2, 6 and 13 in modes 1, 3 and 5, against the mean of "
+        "Written from `presets.py`: the main job at Gamma 2, 6 and 13 in modes 1, 3 and 5, against the mean of "
         f"{presets.attrs['reference']}, known to {100 * rms(presets['reference_error']):.1f} % (standard error; root "
         f"mean squares over points, as all here).  One packing over those cycles is off by "
         f"{100 * rms(presets['one_packing']):.1f} %.  Claimed: the standard error, all parts together; interval holds: "
         "off by no more than both 95 % intervals, in quadrature; step: its error over the statistical one, both as "
         "claimed, at most; packings a point; cycles a case; core-seconds of the cases, beds not counted.",
-        "",
-        *table([*heading.split(", "), "core-seconds"], rows),
-        "",
+        table([*heading.split(", "), "core-seconds"], rows),
     ]
 
 
 def document() -> None:
     """Write docs/accuracy.md and its pictures."""
-    with xr.open_dataset(DOCS / "accuracy.nc") as runs:
-        runs = runs.load()
+    runs = xr.load_dataset(DOCS / "accuracy.nc")
     errors = systematic(runs)
     work_precision(runs).savefig(DOCS / "accuracy.png")
     budget(runs).savefig(DOCS / "accuracy-budget.png")
-    lines = [
-        "# What accuracy costs",
-        "",
-        f"Written by `python scripts/documents/accuracy.py` from docs/accuracy.nc: the paper's damper at six points, "
+    write_document(
+        "accuracy.md",
+        head("What accuracy costs", __file__) + " from docs/accuracy.nc: the paper's damper at six points, "
         f"{runs.sizes['seed']} compacted beds, 160, 400 and 600 cycles a run in modes 1, 3 and 5.  The reference is "
         "float64 with 48 steps a contact over all of them; the first third of every run is left out.",
-        "",
         *systematic_section(runs, errors),
         *step_section(runs, errors),
         *averaging_section(runs),
@@ -421,8 +365,7 @@ def document() -> None:
         *(coverage_section() if (DOCS / "coverage.nc").exists() else []),
         *(price_section() if (DOCS / "price.nc").exists() else []),
         *(presets_section() if (DOCS / "presets.nc").exists() else []),
-    ]
-    (DOCS / "accuracy.md").write_text("\n".join(lines))
+    )
 
 
 if __name__ == "__main__":

@@ -4,23 +4,19 @@ python scripts/documents/appendix_a.py
 """
 
 import math
-from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.optimize import brentq
+from shared import DOCS, head, panels, table, write_document
 
 from warpdamp.modal.appendix_a import complex_mode, energy_damping, pole_damping, real_mode, rigid_damping
 
-DOCS = Path(__file__).parents[2] / "docs"
 LARGEST = 0.32
 STIFFNESS = (1.0, 1.41, 2.0, 5.0, 20.0, 1e6)
 # mode shapes of the paper's beam at the mass, without particles, by beam theory [kg^-0.5]
 BEAM = {1: 1.7201, 3: 0.8300, 5: 0.5963}
 PARTICLES = 0.0239985
-TEXT = """# Appendix A: real against complex modes
-
-Written by `scripts/documents/appendix_a.py`. A damper, effectiveness ε, gives its point of the structure the complex mass
+TEXT = """{head}. A damper, effectiveness ε, gives its point of the structure the complex mass
 m (1 − j 4ε/π). The paper's two-mass model carries it on a spring: a host mode (m_h, k_h), a damper of mass r_m m_h on a
 spring r_k k_h; of the two modes the even one, eqs 26 and 27, at ε = 1.
 
@@ -70,8 +66,7 @@ def label(stiffness_ratio):
 
 
 def picture(path):
-    figure = Figure(figsize=(11, 3.6), layout="constrained", dpi=110)
-    against_energy, against_pole, damping = figure.subplots(1, 3)
+    figure, (against_energy, against_pole, damping) = panels(3, (11, 3.6))
     masses = np.linspace(0.002, LARGEST, 80)
     for k in STIFFNESS:
         rows = np.array([errors(m, k) for m in masses])
@@ -94,13 +89,7 @@ def picture(path):
     damping.set_xlabel("stiffness ratio r_k [-]")
     damping.set_ylabel("ζ [-]")
     damping.legend(fontsize=7)
-    for ax in (against_energy, against_pole, damping):
-        ax.grid(alpha=0.3)
     figure.savefig(path)
-
-
-def table(head, rows):
-    return "\n".join(f"| {' | '.join(row)} |" for row in (head, ["---"] * len(head), *rows))
 
 
 def main():
@@ -110,17 +99,18 @@ def main():
         square = complex_mode(LARGEST, k)
         values = (real_mode(LARGEST, k)[1], energy_damping(square), pole_damping(square))
         rows.append([label(k), *(f"{v:.4f}" for v in values), *(f"{e:+.2f}" for e in errors(LARGEST, k))])
-    head = ["r_k", "ζ, real", "η/2, complex", "pole, complex", "error against η/2 [%]", "error against the pole [%]"]
-    largest = table(head, rows)
+    heading = ["r_k", "ζ, real", "η/2, complex", "pole, complex", "error against η/2 [%]", "error against the pole [%]"]
+    largest = table(heading, rows)
 
     rows = []
     for mode, phi in BEAM.items():
         ratio = PARTICLES * phi**2
         energy, pole = errors(ratio, 1e6)
         rows.append([f"{mode}", f"{ratio:.4f}", f"{rigid_damping(ratio):.5f}", f"{energy:+.4f}", f"{pole:+.4f}"])
-    head = ["mode of the beam", "r_m = m φ²", "ζ at ε = 1", "error against η/2 [%]", "error against the pole [%]"]
+    heading = ["mode of the beam", "r_m = m φ²", "ζ at ε = 1", "error against η/2 [%]", "error against the pole [%]"]
     found = brentq(lambda k: real_mode(LARGEST, k)[1] - 0.2, 0.5, 10)
     text = TEXT.format(
+        head=head("Appendix A: real against complex modes", __file__),
         largest=LARGEST,
         table=largest,
         found=found,
@@ -131,10 +121,9 @@ def main():
         energy_soft=errors(LARGEST, 1.41)[0],
         pole_soft=errors(LARGEST, 1.41)[1],
         pole_rigid=errors(LARGEST, 1e6)[1],
-        beam=table(head, rows),
+        beam=table(heading, rows),
     )
-    (DOCS / "appendix-a.md").write_text(text)
-    print(text)
+    write_document("appendix-a.md", text)
 
 
 if __name__ == "__main__":

@@ -10,15 +10,12 @@ and released from the largest.  Both sides use the same three compacted beds.
 from __future__ import annotations
 
 import math
-import os
 import sys
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
-from multiprocessing import get_context
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from shared import DOCS, ROOT, head, panels, processes, table, write_document
 
 from warpdamp import corrected, load
 from warpdamp.analysis.results import write
@@ -30,8 +27,6 @@ from warpdamp.modal.from_config import modes
 from warpdamp.numerics.timestep import steps_per_cycle
 from warpdamp.scene.scene import STANDARD_GRAVITY, Drive, Force
 
-ROOT = Path(__file__).parents[2]
-DOCS = ROOT / "docs"
 GAMMAS = (0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 7.0, 9.0, 11.0, 14.0)
 INHERENT = 0.002
 CYCLES, WINDOW, DECAY = 120, 10, 160
@@ -41,8 +36,7 @@ RECORDS = 64  # a cycle
 def held(gamma: float, seed: int) -> dict:
     """A forced run near ``gamma``, started on the steady response that the prediction expects."""
     config = load(ROOT / "configs" / "beam.yaml")
-    with xr.open_dataset(DOCS / "beam.nc") as beam:
-        expected = corrected(beam).sel(mode=1, gamma=gamma).load()
+    expected = corrected(xr.load_dataset(DOCS / "beam.nc")).sel(mode=1, gamma=gamma)
     frequency = float(expected["corrected_natural_frequency"])
     w = 2 * math.pi * frequency
     amplitude = gamma * STANDARD_GRAVITY / w**2
@@ -90,7 +84,7 @@ def simulate() -> None:
     """All runs, side by side."""
     jobs = [(held, gamma, seed) for gamma in GAMMAS for seed in (1, 2, 3)]
     jobs += [(released, GAMMAS[-1], seed) for seed in (1, 2, 3)]
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as executor:
+    with processes() as executor:
         runs = [future.result() for future in [executor.submit(*job) for job in jobs]]
     longest = max(len(run["found"]) for run in runs)
     found = np.full((len(runs), longest, 3), np.nan)
@@ -115,8 +109,7 @@ def predictions():
     """Interpolators of frequency and damping against Gamma, the paper's and the corrected, and their errors."""
     from scipy.interpolate import PchipInterpolator
 
-    with xr.open_dataset(DOCS / "beam.nc") as beam:
-        expected = corrected(beam).sel(mode=1).load()
+    expected = corrected(xr.load_dataset(DOCS / "beam.nc")).sel(mode=1)
     names = {
         "frequency": "corrected_natural_frequency",
         "frequency_error": "corrected_natural_frequency_standard_error",
@@ -130,10 +123,8 @@ def predictions():
 
 def document() -> None:
     """Write docs/coupling.md and its picture."""
-    with xr.open_dataset(DOCS / "coupling.nc") as runs:
-        runs = runs.load()
-    with xr.open_dataset(DOCS / "beam.nc") as beam:
-        price = beam["cpu_time"].isel(frequency=0).load()
+    runs = xr.load_dataset(DOCS / "coupling.nc")
+    price = xr.load_dataset(DOCS / "beam.nc")["cpu_time"].isel(frequency=0)
     at, rigid = predictions()
     inherent = runs.attrs["inherent_damping"]
     forced = runs.where(runs["kind"] == "held", drop=True)
@@ -158,62 +149,49 @@ def document() -> None:
         off["frequency"].append(shift)
         off["rigid"].append(float(np.mean(f)) - rigid)
         rows.append(
-            f"| {g.min():.2f} - {g.max():.2f} | {len(g)} | {100 * zeta.mean():.3f} | "
-            f"{100 * float(np.mean(at['paper'](g))):.3f} | {100 * float(np.mean(at['corrected'](g))):.3f} | "
-            f"{100 * misses['corrected'][0]:+.3f} ± {100 * math.hypot(misses['corrected'][1], error):.3f} | "
-            f"{f.mean():.3f} | {float(np.mean(at['frequency'](g))):.3f} | {shift:+.3f} ± {shift_total:.3f} |"
+            [f"{g.min():.2f} - {g.max():.2f}", len(g)]
+            + [f"{100 * float(x.mean()):.3f}" for x in (zeta, at["paper"](g), at["corrected"](g))]
+            + [f"{100 * misses['corrected'][0]:+.3f} ± {100 * math.hypot(misses['corrected'][1], error):.3f}"]
+            + [f"{float(x.mean()):.3f}" for x in (f, at["frequency"](g))]
+            + [f"{shift:+.3f} ± {shift_total:.3f}"]
         )
     inside = {key: sum(abs(x) <= 2 for x in off[key]) for key in ("paper", "corrected")}
     coupled = float((forced["cpu_time"] / forced["cycles"]).mean())
-    lines = [
-        "# Structures that answer",
-        "",
-        "Written by `python scripts/documents/coupling.py` from docs/coupling.nc and docs/beam.nc.  The modal oscillator and the "
-        "particles advance together, driven by a harmonic force near resonance; natural frequency and damping are read "
-        f"from the steady response (windows of {WINDOW} cycles, the second half of {CYCLES}), the inherent damping of "
-        f"{100 * inherent:g} % taken off.  Beside it the prediction from prescribed motion at the same Gamma: the "
-        "paper's (particles as a rigid mass) and with the mass that the structure feels, each bed's at its own "
-        "amplitude.  ± are standard errors: of the beds, and of the prediction.",
-        "",
-        "| Gamma | beds | damping, coupled [%] | the paper's | corrected | coupled - corrected "
-        "| frequency, coupled [Hz] | corrected | coupled - corrected |",
-        "|---|---|---|---|---|---|---|---|---|",
-        *rows,
-        "",
+    heading = ["Gamma", "beds", "damping, coupled [%]", "the paper's", "corrected", "coupled - corrected"]
+    heading += ["frequency, coupled [Hz]", "corrected", "coupled - corrected"]
+    write_document(
+        "coupling.md",
+        head("Structures that answer", __file__) + " from docs/coupling.nc and docs/beam.nc.  The modal oscillator and "
+        "the particles advance together, driven by a harmonic force near resonance; natural frequency and damping are "
+        f"read from the steady response (windows of {WINDOW} cycles, the second half of {CYCLES}), the inherent "
+        f"damping of {100 * inherent:g} % taken off.  Beside it the prediction from prescribed motion at the same "
+        "Gamma: the paper's (particles as a rigid mass) and with the mass that the structure feels, each bed's at its "
+        "own amplitude.  ± are standard errors: of the beds, and of the prediction.",
+        table(heading, rows),
         f"Damping: {inside['corrected']} of {len(rows)} amplitudes agree within two standard errors with the corrected "
         f"prediction, {inside['paper']} with the paper's.  Frequency: the prediction is off by "
         f"{1e3 * np.sqrt(np.mean(np.square(off['frequency']))):.0f} mHz (root mean square), the rigid mass's "
         f"{rigid:.3f} Hz by {1e3 * np.sqrt(np.mean(np.square(off['rigid']))):.0f} mHz.",
-        "",
         f"{len(gone)} of {forced.sizes['run']} runs are not in the table: past the optimum damping falls with the "
         f"amplitude, so that the same force has a second, larger response, and they went there (Gamma "
         f"{', '.join(gone)}), beyond what was predicted.  Where prescribed motion holds Gamma, a force does not: this "
         "is the fold that `warpdamp frf --constant-force` draws.",
-        "",
         "At the lowest amplitude both dampings are small: the difference is a tenth of the inherent one.  There beds "
         "age for as long as one waits; the prediction's have run for up to 1,000 cycles, these for 120.",
-        "",
         "![damping and frequency](coupling.png)",
-        "",
         "## Energy",
-        "",
         f"Work of the force, less all losses and gains of structure and particles in the laboratory: at most "
         f"{100 * float(runs['closure'].max()):.2f} % of what was lost (asked for: 0.5 %), median "
         f"{100 * float(runs['closure'].median()):.2f} %.",
-        "",
         "## Price",
-        "",
         f"A coupled cycle takes {coupled:.3f} core-seconds, a point (one amplitude, three beds, {CYCLES} cycles) "
         f"{3 * CYCLES * coupled:.0f}; a point of the prediction took {float(price.sum('seed').mean()):.0f} at its 2 % "
         "per case.  But the prediction serves every structure, and a coupled run one amplitude of one structure, "
         "found by choosing its force.  A single release gives damping and frequency at all amplitudes on the way down "
         f"({float(runs['cpu_time'].where(runs['kind'] == 'released').mean()):.0f} core-seconds), of a bed that does "
         "not have the time to become steady at any of them: the dots in the picture.",
-        "",
-    ]
-    (DOCS / "coupling.md").write_text("\n".join(lines))
+    )
     _picture(runs, forced, at, inherent)
-    print("\n".join(lines))
 
 
 def _mean(values) -> tuple[float, float]:
@@ -221,16 +199,13 @@ def _mean(values) -> tuple[float, float]:
 
 
 def _picture(runs, forced, at, inherent) -> None:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10, 4), layout="constrained", dpi=110)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = panels(2, (10, 4))
     grid = np.linspace(at["paper"].x[0], at["paper"].x[-1], 300)
-    panels = (
+    curves = (
         (left, "corrected", "damping ratio [-]", "error"),
         (right, "frequency", "natural frequency [Hz]", "frequency_error"),
     )
-    for ax, key, name, error in panels:
+    for ax, key, name, error in curves:
         middle, width = at[key](grid), at[error](grid)
         ax.fill_between(grid, middle - width, middle + width, alpha=0.25)
         ax.plot(grid, middle, label="prescribed motion, mass as felt")

@@ -9,15 +9,11 @@ after those, at least 300.  About three minutes on two cores.
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from shared import DOCS, processes
 
-from warpdamp import Batch, Case, Cylinder, Drive, Grains, Material, Scene, Surface
+from warpdamp import Batch, Case, Cylinder, Drive, Grains
 from warpdamp.analysis.results import write
 from warpdamp.damper.case import Criteria, Request, Spec
 from warpdamp.damper.preparation import prepare
@@ -26,9 +22,10 @@ from warpdamp.engine.ledger import maximum_energy
 from warpdamp.numerics.steady import standard_error
 from warpdamp.numerics.timestep import steps_per_cycle
 from warpdamp.numerics.tolerance import settings_for, student
+from warpdamp.scene.paper import CAVITY, COUNT, RADIUS, damper
+from warpdamp.scene.scene import STANDARD_GRAVITY
 
-ROOT = Path(__file__).parents[2]
-RADIUS, TOLERANCE = 3.73e-3, 0.05
+TOLERANCE = 0.05
 FILLS, SEEDS, DRAWS = {30: 0.42, 60: 0.46, 90: 0.48, 120: 0.519}, (1, 2, 3), 9
 """Spheres, and the part of the cavity that they fill: near walls fewer fit."""
 LONGER, FEWEST_LONGER, FEWEST, MOST = 8, 300, 30, 400
@@ -36,10 +33,8 @@ LONGER, FEWEST_LONGER, FEWEST, MOST = 8, 300, 30, 400
 
 def bed(count: int, seed: int) -> Request:
     """A compacted bed."""
-    pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
-    size = 0.04 * (count / 120 * FILLS[120] / FILLS[count]) ** (1 / 3)
-    scene = Scene(pmma, pmma, surface, surface, Cylinder(size, size))
-    return Request(scene, Grains.alike(RADIUS, count), seed)
+    size = CAVITY.diameter * (count / COUNT * FILLS[COUNT] / FILLS[count]) ** (1 / 3)
+    return Request(damper(gamma=0, cavity=Cylinder(size, size)), Grains.alike(RADIUS, count), seed)
 
 
 def _plan():
@@ -55,7 +50,7 @@ def drawn() -> list[Spec]:
             request = bed(count, seed)
             for _ in range(DRAWS):
                 frequency, gamma = 60 * 10 ** rng.uniform(0, 0.8), rng.uniform(1.5, 12)
-                scene = request.scene.driven(Drive(frequency, 9.81 * gamma))
+                scene = request.scene.driven(Drive(frequency, STANDARD_GRAVITY * gamma))
                 n = steps_per_cycle(scene, request.grains, steps_per_contact=_plan().steps_per_contact)
                 specs.append(Spec((len(specs),), scene, n, request))
     return specs
@@ -75,7 +70,7 @@ def compare(spec: Spec) -> dict:
         "count": len(spec.bed.grains),
         "seed": spec.bed.seed,
         "frequency": spec.scene.drive.frequency,
-        "gamma": spec.scene.drive.acceleration / 9.81,
+        "gamma": spec.scene.drive.acceleration / STANDARD_GRAVITY,
         "claimed": claim["energy_dissipated"] / largest,
         "interval": claim["energy_dissipated_interval"] / largest,
         "averaging_interval": claim["energy_dissipated_standard_error"]
@@ -91,17 +86,15 @@ def compare(spec: Spec) -> dict:
 def main() -> None:
     """Run all and keep them."""
     specs = drawn()
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as executor:
-        beds = {spec.bed.key(): spec.bed for spec in specs}
-        for future in as_completed([executor.submit(prepare, request) for request in beds.values()]):
-            future.result()
+    with processes() as executor:
+        list(executor.map(prepare, {spec.bed.key(): spec.bed for spec in specs}.values()))
         found = list(executor.map(compare, specs))
     names = list(found[0])
     cases = xr.Dataset({name: ("case", np.array([row[name] for row in found])) for name in names})
     cases.attrs["title"] = (
         f"Claimed 95 % intervals at a tolerance of {100 * TOLERANCE:g} %, and what cases do afterwards"
     )
-    write(cases, ROOT / "docs" / "coverage.nc")
+    write(cases, DOCS / "coverage.nc")
     inside = abs(cases["claimed"] - cases["reference"]) <= cases["interval"]
     steady = cases["status"] == 0
     print(f"{int((inside & steady).sum())} of {int(steady.sum())} steady cases inside")

@@ -15,7 +15,6 @@ from __future__ import annotations
 import ast
 import json
 import pickle
-import platform
 import statistics
 import subprocess
 import sys
@@ -24,10 +23,11 @@ import textwrap
 from dataclasses import asdict
 from pathlib import Path
 
+from shared import DOCS, ROOT, head, machine, panels, table, write_document
+
 from warpdamp.scene.effects import Effects
 from warpdamp.study.cost import SIMPLEST, TOGGLES, frozen, jammed_bed, moving, remember, within, without
 
-ROOT = Path(__file__).parents[2]
 FULL = Effects()
 EXTRAS = ("rolling", "sizes", "materials")
 LIMIT = 0.40
@@ -69,8 +69,8 @@ CHILD = """
 import json, pickle, sys
 sys.path.insert(0, sys.argv[1])
 import warpdamp
-from warpdamp.effects import Effects
-from warpdamp.speed import frozen
+from warpdamp.scene.effects import Effects
+from warpdamp.study.cost import frozen
 assert warpdamp.__file__.startswith(sys.argv[1]), warpdamp.__file__
 if __name__ == "__main__":
     effects = Effects(**json.loads(sys.argv[2]))
@@ -126,49 +126,30 @@ def _median(times):
 
 
 def _write(rows, bare, share, full, full_moving, simplest):
-    lines = [
-        "# What each effect costs",
-        "",
-        f"Written by `python scripts/documents/effects.py` on {platform.machine()}, Python "
-        f"{platform.python_version()}; nanoseconds of processor time per particle-step, medians; float64 unless said "
-        f"otherwise.  All effects of the paper's scene together: **{full:.0f} ns** on the frozen contacts, "
-        f"{full_moving:.0f} ns in the paper's scene at Gamma 6.  The simplest law (no friction, no dashpots, no "
-        f"gravity, losses in total) takes {simplest:.0f} ns, **{100 * share:.0f} %** of the full one on the same "
-        f"contacts (asked for: at most {100 * LIMIT:.0f} %).",
-        "",
+    costs = [[n, f"{a:.1f}", f"{b:.1f}", f"{b - a:+.1f}", f"{c:.1f}", f"{d:.1f}"] for n, a, b, c, d in rows]
+    ratios = [[n, f"{_median(r):.3f}", f"{min(r):.3f} .. {max(r):.3f}"] for n, r in bare.items()]
+    write_document(
+        "effects.md",
+        head("What each effect costs", __file__) + f" on {machine()}; nanoseconds of processor time per particle-step, "
+        f"medians; float64 unless said otherwise.  All effects of the paper's scene together: **{full:.0f} ns** on the "
+        f"frozen contacts, {full_moving:.0f} ns in the paper's scene at Gamma 6.  The simplest law (no friction, no "
+        f"dashpots, no gravity, losses in total) takes {simplest:.0f} ns, **{100 * share:.0f} %** of the full one on "
+        f"the same contacts (asked for: at most {100 * LIMIT:.0f} %).",
         "![bars](effects.png)",
-        "",
         "Frozen: the same contacts in both columns, so their difference is what the effect costs.  Scene: the bed "
         "moves as the effects let it, so that the number of contacts changes, too.  `precision` off is float32; "
         "friction off takes rotation along, as in a scene without friction.",
-        "",
-        "| effect | frozen, off | frozen, on | costs | scene, off | scene, on |",
-        "|---|---|---|---|---|---|",
-    ]
-    lines += [f"| {n} | {a:.1f} | {b:.1f} | {b - a:+.1f} | {c:.1f} | {d:.1f} |" for n, a, b, c, d in rows]
-    lines += [
-        "",
+        table(["effect", "frozen, off", "frozen, on", "costs", "scene, off", "scene, on"], costs),
         "## Off against a build that never had it",
-        "",
         "The kernels' source with every branch and field of the effect deleted, timed in turn with the real one: ratio "
         "of times (off / deleted), median and range of three pairs of processes.",
-        "",
-        "| effect | off / deleted | range |",
-        "|---|---|---|",
-    ]
-    lines += [f"| {n} | {_median(r):.3f} | {min(r):.3f} .. {max(r):.3f} |" for n, r in bare.items()]
-    (ROOT / "docs" / "effects.md").write_text("\n".join(lines) + "\n")
+        table(["effect", "off / deleted", "range"], ratios),
+    )
     _chart(rows)
-    print("\n".join(lines))
 
 
 def _chart(rows):
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, axes = plt.subplots(figsize=(8, 4.5), layout="constrained")
+    figure, (axes,) = panels(1, (8, 4.5))
     for k, (_, off, on, _, _) in enumerate(rows):
         axes.barh(k - 0.2, on, 0.38, color="tab:blue", label="on" if k == 0 else None)
         axes.barh(k + 0.2, off, 0.38, color="tab:gray", label="off" if k == 0 else None)
@@ -176,7 +157,7 @@ def _chart(rows):
     axes.invert_yaxis()
     axes.set_xlabel("ns per particle-step, frozen contacts")
     axes.legend()
-    figure.savefig(ROOT / "docs" / "effects.png", dpi=110)
+    figure.savefig(DOCS / "effects.png")
 
 
 if __name__ == "__main__":

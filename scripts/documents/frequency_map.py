@@ -9,6 +9,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from shared import DOCS, ROOT, head, progress, table, write_document
 
 import warpdamp
 from warpdamp.analysis.results import write
@@ -29,7 +30,7 @@ def fitted(dataset, optima):
     frequency = optima["frequency"].values
     clearance = dataset["clearance"].mean().item()
     bed = dataset["preparation"].item()
-    lines = [f"Clearance measured ({bed} bed): {1e3 * clearance:.3f} mm.", ""]
+    lines = []
     expected = 4 * np.pi * clearance / STANDARD_GRAVITY
     for name, x, what in (("collision", frequency**2, "f^2"), ("fluidisation", frequency, "f")):
         y, error = optima[f"gamma_{name}"].values, optima[f"gamma_{name}_standard_error"].values
@@ -50,35 +51,29 @@ def fitted(dataset, optima):
             )
         else:
             lines.append(f"  The paper's line: {PAPER_LINE}.")
-    return lines
+    return f"Clearance measured ({bed} bed): {1e3 * clearance:.3f} mm.", "\n".join(lines)
 
 
-def table(optima):
-    yield "| f [Hz] | Gamma of fluidisation | Gamma of collision |"
-    yield "|---|---|---|"
+def gammas(optima):
+    """Both optima at each frequency."""
     for k, frequency in enumerate(optima["frequency"].values):
         cells = []
         for name in ("fluidisation", "collision"):
             gamma, error = (float(optima[f"gamma_{name}{s}"][k]) for s in ("", "_standard_error"))
             cells.append(f"{gamma:.2f} ± {error:.2f}" if np.isfinite(gamma) else "-")
-        yield f"| {frequency:g} | {cells[0]} | {cells[1]} |"
+        yield f"{frequency:g}", *cells
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--config", type=Path, default=Path("configs/frequency_map.yaml"))
+    parser.add_argument("--config", type=Path, default=ROOT / "configs" / "frequency_map.yaml")
     parser.add_argument("--store", type=Path, default=Path("results/frequency_map"))
-    parser.add_argument("--docs", type=Path, default=Path("docs"))
+    parser.add_argument("--docs", type=Path, default=DOCS)
     parser.add_argument("--workers", type=int)
     parser.add_argument("--collect", action="store_true")
     options = parser.parse_args()
     if not options.collect:
-        warpdamp.carry_out(
-            options.config,
-            options.store,
-            workers=options.workers,
-            report=lambda stage, done: print(f"{stage} {done:.1%}", flush=True),
-        )
+        warpdamp.carry_out(options.config, options.store, workers=options.workers, report=progress())
     dataset = warpdamp.collect(options.store)
     optima = dataset.damper.optimum()
     options.docs.mkdir(parents=True, exist_ok=True)
@@ -87,28 +82,20 @@ def main():
     small = dataset[[name for name in KEPT if name in dataset]]
     write(small, options.docs / "frequency_map.nc")
     status = dataset["status"].values
-    text = [
-        "# Phase map",
-        "",
-        f"Written by `python scripts/documents/frequency_map.py` from `{options.config.name}`: {status.size} cases, "
+    write_document(
+        "frequency_map.md",
+        head("Phase map", __file__) + f" from `{options.config.name}`: {status.size} cases, "
         f"{int(np.sum(status < 20))} of them finished, {int(np.sum(status == 0))} of those steady with the standard "
         f"error asked for; residual of the energy ledger at most {100 * float(small['ledger_residual'].max()):.2g} %; "
         f"{float(dataset['cpu_time'].sum()) / 3600:.2g} hours of processor time. Data: `frequency_map.nc`.",
-        "",
         "![Effectiveness over frequency and Gamma](frequency_map.png)",
-        "",
         "![Regimes of motion over frequency and Gamma](frequency_map_regimes.png)",
-        "",
         "Optima are maxima of a Gaussian process through the points of each frequency, with standard errors from its "
         "posterior (`dataset.damper.optimum()`).",
-        "",
         *fitted(dataset, optima),
-        "",
-        *table(optima),
-        "",
-    ]
-    (options.docs / "frequency_map.md").write_text("\n".join(text), encoding="utf-8")
-    print("\n".join(fitted(dataset, optima)))
+        table(["f [Hz]", "Gamma of fluidisation", "Gamma of collision"], gammas(optima)),
+        folder=options.docs,
+    )
 
 
 if __name__ == "__main__":

@@ -3,18 +3,16 @@
 python scripts/documents/frf.py
 """
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from shared import DOCS, head, table, write_document
 
 from warpdamp.modal.apparent_mass import ComplexMass, complex_mass, corrected, particle_mass, per_mode
 from warpdamp.modal.frf import Structure, accelerance, constant_force
 from warpdamp.modal.identify import fits
 from warpdamp.report.frf import against_gamma, families, force_curves
+from warpdamp.scene.scene import STANDARD_GRAVITY
 
-DOCS = Path(__file__).parents[2] / "docs"
-G = 9.81
 FORCES = {  # amplitudes [N] and band [Hz] for each mode
     1: ((0.02, 0.1, 0.3, 0.6, 1.0, 1.2), (35, 45)),
     3: ((0.005, 0.02, 0.1, 0.3, 0.6), (268, 296)),
@@ -22,9 +20,7 @@ FORCES = {  # amplitudes [N] and band [Hz] for each mode
 }
 SHOWN = (0.5, 1, 2, 3, 4, 5, 6, 8, 10, 14)
 FLUIDISED, TWO_SIDED = 3.0, 5.0  # where mode 1 has its shoulder and its optimum in docs/beam.nc
-TEXT = """# Frequency response of the beam with its damper
-
-Written by `scripts/documents/frf.py` from [beam.nc](beam.nc), the results of the main job. The structure is the sum of modes 1, 3
+TEXT = """{head} from [beam.nc](beam.nc), the results of the main job. The structure is the sum of modes 1, 3
 and 5, the damper the complex mass m′ − j m″ that its simulations found at each Γ, mean of three beds; the bare beam has
 no damping of its own here. The force acts at the damper, as the shaker's does.
 
@@ -107,10 +103,6 @@ Beyond Γ 1 a fall is at most {worst:.1f} of the standard error of the damping t
 folds are what the mean of these three beds gives, not what is known of the damper. Stability is that of the slow
 amplitude with a bed that adapts at once; a bed that remembers is beyond it.
 """
-
-
-def table(head, rows):
-    return "\n".join(f"| {' | '.join(row)} |" for row in (head, ["---"] * len(head), *rows))
 
 
 def three_ways(energy, fitted):
@@ -244,7 +236,7 @@ def several_states(dataset):
     rows = []
     for mode, (_, band) in FORCES.items():
         f = np.linspace(*band, 2001)[:, None]
-        force = gamma * G * np.abs(structure.dynamic_mass(f) + mass(f, gamma))
+        force = gamma * STANDARD_GRAVITY * np.abs(structure.dynamic_mass(f) + mass(f, gamma))
         falling = np.diff(force, axis=1) < 0
         column = np.flatnonzero(falling.any(axis=0))
         for group in np.split(column, np.flatnonzero(np.diff(column) > 1) + 1):
@@ -263,9 +255,9 @@ def several_states(dataset):
                     f"{own:.2g}",
                 ]
             )
-    head = ["mode", "Γ", "force [N]", "frequency [Hz]", "the force falls by at most [%]", "s.e. of the damping [%]"]
+    heading = ["mode", "Γ", "force [N]", "frequency [Hz]", "the force falls by at most [%]", "s.e. of the damping [%]"]
     worst = max(float(row[4]) / float(row[5]) for row in rows if float(row[1].split("-")[0]) > 1)
-    return {"multivalued": table(head, rows), "worst": worst}
+    return {"multivalued": table(heading, rows), "worst": worst}
 
 
 def main():
@@ -280,6 +272,7 @@ def main():
     against_gamma(energy, fitted).savefig(DOCS / "frf-gamma.png")
     force_curves(*responses.values()).savefig(DOCS / "frf-force.png")
     text = TEXT.format(
+        head=head("Frequency response of the beam with its damper", __file__),
         table=three_ways(energy, fitted),
         forces=force_table(responses),
         **several_states(dataset),
@@ -287,8 +280,7 @@ def main():
         **fits_against(dataset, energy, frf, fitted),
         **answers(energy, mass),
     )
-    (DOCS / "frf.md").write_text(text)
-    print(text)
+    write_document("frf.md", text)
 
 
 if __name__ == "__main__":

@@ -3,14 +3,11 @@
 python scripts/documents/modal_fits.py
 """
 
-from pathlib import Path
-
 import numpy as np
-from matplotlib.figure import Figure
+from shared import DOCS, head, panels, table, write_document
 
 from warpdamp.modal.fit import Fit, circle_fit, dobson, half_power_band, least_squares, line_fit
 
-DOCS = Path(__file__).parents[2] / "docs"
 OWN = np.array([39.5, 280.0, 731.0])
 ZETA = np.array([0.03, 0.008, 0.004])
 PHI = np.array([1.6627, 0.7692, 0.5458])  # the paper's beam with its particles [kg^-0.5]
@@ -22,9 +19,7 @@ READINGS = (
     "ζ f to both sides of the natural frequency",
     "between the 3 dB points, imaginary part as a constant",
 )
-TEXT = """# Modal fits and their biases
-
-Written by `scripts/documents/modal_fits.py`. A synthetic point accelerance with three modes of the paper's beam: 39.5, 280 and
+TEXT = """{head}. A synthetic point accelerance with three modes of the paper's beam: 39.5, 280 and
 731 Hz, damping ratios 3, 0.8 and 0.4 %, modal constants {constants} kg⁻¹ (the squares of the mode
 shapes at the mass). Damping is viscous, the fits suppose it hysteretic: none is fed its own model. Each mode is fitted
 in its half-power band, {points} points in equal steps; least squares takes the three bands together.
@@ -140,8 +135,7 @@ def noisy_draws(frequencies, curves):
 
 
 def picture(path, frequencies, curves, shares):
-    figure = Figure(figsize=(11, 3.6), layout="constrained", dpi=110)
-    whole, lines, bias = figure.subplots(1, 3)
+    figure, (whole, lines, bias) = panels(3, (11, 3.6))
     f = np.unique(np.concatenate([np.geomspace(20, 1000, 4000), *frequencies]))
     whole.loglog(f, np.abs(accelerance(f)), lw=1)
     for one, a in zip(frequencies, curves, strict=True):
@@ -170,17 +164,11 @@ def picture(path, frequencies, curves, shares):
     bias.set_xlabel("neighbours at resonance, % of the peak")
     bias.set_ylabel("bias [%]")
     bias.legend(fontsize=7)
-    for ax in (whole, lines, bias):
-        ax.grid(alpha=0.3)
     figure.savefig(path)
 
 
 def percent(values):
     return [f"{100 * value:+.2f}" for value in values]
-
-
-def table(head, rows):
-    return "\n".join([f"| {' | '.join(row)} |" for row in (head, ["---"] * len(head), *rows)])
 
 
 def main():
@@ -199,8 +187,8 @@ def main():
         ]
 
     modes = [f"{f:g} Hz" for f in OWN]
-    head = ["error [%]", *(f"ζ, {m}" for m in modes), *(f"f, {m}" for m in modes)]
-    clean = table(head, [[name, *errors(values)] for name, values in exact.items()])
+    heading = ["error [%]", *(f"ζ, {m}" for m in modes), *(f"f, {m}" for m in modes)]
+    clean = table(heading, [[name, *errors(values)] for name, values in exact.items()])
 
     rows = []
     for name in exact:
@@ -211,14 +199,15 @@ def main():
         cells += [f"{100 * s:.4f}" for s in f.std(0, ddof=1)]
         cells += ["-" if np.isnan(s) else f"{100 * s:.2f}" for s in stated]
         rows.append([name, *cells])
-    head = ["[%]", *(f"{what}, {m}" for what in ("ζ", "spread of f", "s.e. of ζ") for m in modes)]
-    noisy = table(head, rows)
+    heading = ["[%]", *(f"{what}, {m}" for what in ("ζ", "spread of f", "s.e. of ζ") for m in modes)]
+    noisy = table(heading, rows)
 
     rows = [["neighbours at resonance, % of the peak", *percent(shares)]]
     rows += [[f"bias of ζ, {name}", *percent(values)] for name, values in readings().items()]
     constant = percent(line_fit_bias(mode, share) for mode, share in enumerate(shares))
     rows += [["one mode and a constant that large, between the 3 dB points", *constant]]
     text = TEXT.format(
+        head=head("Modal fits and their biases", __file__),
         constants=", ".join(f"{c:.4f}" for c in CONSTANT),
         points=POINTS,
         draws=DRAWS,
@@ -227,8 +216,7 @@ def main():
         reading=table(["[%]", *modes], rows),
         noisy=noisy,
     )
-    (DOCS / "modal-fits.md").write_text(text)
-    print(text)
+    write_document("modal-fits.md", text)
 
 
 if __name__ == "__main__":

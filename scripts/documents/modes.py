@@ -6,26 +6,21 @@ Takes about two minutes.  Writes docs/modes.md, docs/modes.png, configs/beam_mod
 configs/bracket.msh.
 """
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
+from shared import DOCS, ROOT, head, table, write_document
 
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
-
-from beam_theory import Timoshenko, circle, rectangle, tube  # noqa: E402
-from plate_theory import LEISSA, SIDE, STEEL, THICKNESS, UNIT, loaded_pinned_plate  # noqa: E402
-
-from warpdamp import Material, load  # noqa: E402
-from warpdamp.modal.beam import Beam, PointMass, beam_modes  # noqa: E402
-from warpdamp.modal.from_config import beam, modes  # noqa: E402
-from warpdamp.modal.mode_csv import write_csv  # noqa: E402
-from warpdamp.modal.section import Circle, Rectangle, Tube  # noqa: E402
-from warpdamp.modal.solid import Plate, StandingMass, plate_modes  # noqa: E402
-from warpdamp.report.figures import save  # noqa: E402
-from warpdamp.report.mode_shapes import shapes  # noqa: E402
+from beam_theory import Timoshenko, circle, rectangle, tube
+from plate_theory import LEISSA, SIDE, STEEL, THICKNESS, UNIT, loaded_pinned_plate
+from warpdamp import Material, load
+from warpdamp.modal.beam import Beam, PointMass, beam_modes
+from warpdamp.modal.from_config import beam, modes
+from warpdamp.modal.mode_csv import write_csv
+from warpdamp.modal.section import Circle, Rectangle, Tube
+from warpdamp.modal.solid import Plate, StandingMass, plate_modes
+from warpdamp.report.figures import save
+from warpdamp.report.mode_shapes import shapes
 
 LENGTH, MODES = 0.58, 4
 LOADS = {"none": (), "0.2 kg in the middle": ((0.2, 0.29, 0.0),), "two": ((0.2, 0.21, 2e-5), (0.1, 0.41, 0.0))}
@@ -43,8 +38,7 @@ def steel(nu):
 
 
 def beam_section():
-    lines = ["| section [mm] | supports | masses | nu = 0.3: modes 1-4 off by [%] | nu = 0: |", "|---|---|---|---|---|"]
-    worst = {}
+    rows, worst = [], {}
     for name, (section, bends, theory) in SECTIONS.items():
         for supports in SUPPORTS if name == "strip 20 x 4, across 4" else SUPPORTS[:4]:
             for load_name, masses in LOADS.items():
@@ -57,7 +51,7 @@ def beam_section():
                     off = 100 * (found / exact - 1)
                     worst[nu] = max(worst.get(nu, 0.0), np.abs(off).max())
                     cells.append(" ".join(f"{x:+.2f}" for x in off))
-                lines.append(f"| {name} | {'-'.join(supports)} | {load_name} | {' | '.join(cells)} |")
+                rows.append([name, "-".join(supports), load_name, *cells])
     rod = [
         beam_modes(Beam(LENGTH, Circle(0.04), steel(nu)), PointMass(0.0, 0.2), highest=MODES).frequency
         / Timoshenko(LENGTH, circle(0.04, nu), steel(nu), SUPPORTS[0]).modes(MODES)[0]
@@ -69,55 +63,47 @@ def beam_section():
         "Steel beams of 580 mm against Timoshenko's theory, solved exactly (`tests/beam_theory.py`); `two` is 0.2 kg "
         "with 20 kg mm^2 at 210 mm and 0.1 kg at 410 mm.  A clamp stops Poisson's contraction, which beam theory "
         "leaves out; with nu = 0 what is left is the mesh.",
-        "",
         limits,
-        "",
-        *lines,
-        "",
+        table(["section [mm]", "supports", "masses", "nu = 0.3: modes 1-4 off by [%]", "nu = 0:"], rows),
         f"What a clamp adds grows with depth over length: a clamped rod of 40 mm is off by {stubby} %.",
     )
 
 
 def plate_section():
-    lines = ["| edges | modes 1-5 off by [%] |", "|---|---|"]
+    edge_rows, mass_rows = [], []
     for edges, expected in LEISSA.items():
         found = plate_modes(Plate(SIDE, SIDE, THICKNESS, STEEL, edges), StandingMass(0.0, (0.12, 0.16), 0.04)).frequency
         off = 100 * (found / (UNIT * np.array(expected)) - 1)
-        lines.append(f"| {'-'.join(edges)} | {' '.join(f'{x:+.2f}' for x in off)} |")
-    lines += ["", "| mass on the pinned plate (5 kg) | f off by [%] | phi off by [%] |", "|---|---|---|"]
+        edge_rows.append(["-".join(edges), " ".join(f"{x:+.2f}" for x in off)])
     for mass, x, y in ((2.5, 0.2, 0.2), (5.0, 0.1, 0.16)):
         own = plate_modes(
             Plate(SIDE, SIDE, THICKNESS, STEEL, ("pinned",) * 4), StandingMass(mass, (x, y), 0.04), highest=1
         )
         f, phi = loaded_pinned_plate(mass, x, y, 0.04)
         off = 100 * (own.frequency[0] / f - 1), 100 * (own.amplitude[0] / phi - 1)
-        lines.append(f"| {mass:g} kg at ({1e3 * x:g}, {1e3 * y:g}) mm | {off[0]:+.3f} | {off[1]:+.3f} |")
+        mass_rows.append([f"{mass:g} kg at ({1e3 * x:g}, {1e3 * y:g}) mm", f"{off[0]:+.3f}", f"{off[1]:+.3f}"])
     return (
         "Steel, 400 x 400 x 4 mm, against Leissa 1973 (thin plates by Ritz's method: exact where all edges are pinned, "
         "upper bounds elsewhere, known to be up to 1.1 % high with free edges); with a mass against Kirchhoff's modes "
         "summed.",
-        "",
-        *lines,
+        table(["edges", "modes 1-5 off by [%]"], edge_rows),
+        table(["mass on the pinned plate (5 kg)", "f off by [%]", "phi off by [%]"], mass_rows),
     )
 
 
 def known_section(empty):
     """What is lost by adding the particles in the space of a few modes."""
     exact = modes(load(ROOT / "configs" / "beam.yaml"), particles=0.0239985)
-    lines = ["| modes in the set | " + " | ".join(f"mode {n}: f, phi off by [%]" for n in exact.number) + " |"]
-    lines.append("|---|" + "---|" * len(exact.number))
+    rows = []
     for count in (5, 8, 12):
         added = empty.pick(np.arange(1, count + 1)[~empty.on_node[:count]]).with_mass(0.0239985)
         found = added.pick(exact.number)
         off = 100 * (found.frequency / exact.frequency - 1), 100 * (found.amplitude / exact.amplitude - 1)
-        lines.append(
-            f"| 1 to {count} | " + " | ".join(f"{f:+.2f}, {phi:+.2f}" for f, phi in zip(*off, strict=True)) + " |"
-        )
+        rows.append([f"1 to {count}", *(f"{f:+.2f}, {phi:+.2f}" for f, phi in zip(*off, strict=True))])
     return (
         "`particles_included: false` adds the particles' mass in the space of the modes given.  The paper's beam with "
         "its empty damper, 24 g of particles added to a set of modes, against the finite elements with them:",
-        "",
-        *lines,
+        table(["modes in the set", *(f"mode {n}: f, phi off by [%]" for n in exact.number)], rows),
     )
 
 
@@ -152,14 +138,15 @@ def main():
     bracket(ROOT / "configs" / "bracket.msh")
     cantilever = load(ROOT / "configs" / "cantilever.yaml")
     tube_beam, tube_damper = beam(cantilever)
-    save(shapes(beam_modes(tube_beam, tube_damper, highest=3), cantilever.title), ROOT / "docs" / "modes.png")
+    save(shapes(beam_modes(tube_beam, tube_damper, highest=3), cantilever.title), DOCS / "modes.png")
 
-    sections = {"Beams": beam_section(), "Plates": plate_section(), "Known modes": known_section(empty)}
-    text = "# Modes against closed forms\n\nWritten by `scripts/documents/modes.py`.\n"
-    for title, lines in sections.items():
-        text += f"\n## {title}\n\n" + "\n".join(lines) + "\n"
-    (ROOT / "docs" / "modes.md").write_text(text)
-    print(text)
+    write_document(
+        "modes.md",
+        head("Modes against closed forms", __file__) + ".",
+        *("## Beams", *beam_section()),
+        *("## Plates", *plate_section()),
+        *("## Known modes", *known_section(empty)),
+    )
 
 
 if __name__ == "__main__":

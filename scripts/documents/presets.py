@@ -8,28 +8,22 @@ Half an hour on two cores; may be stopped and started again (results/presets kee
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
 from price import job
+from shared import DOCS, ROOT, progress
 
 from warpdamp import run
 from warpdamp.analysis.results import write
 from warpdamp.config.study import PRESETS, Config
 from warpdamp.variables import NOT_RUN
 
-ROOT = Path(__file__).parents[2]
 OTHERS, CYCLES = range(101, 133), 200
 
 
 def kept(name: str, config: Config) -> xr.Dataset:
     """A study, or what was left of it."""
-    return run(
-        config,
-        store=ROOT / "results" / "presets" / name,
-        report=lambda stage, done: print(f"{name}: {stage} {done:.0%}", flush=True),
-    )
+    return run(config, store=ROOT / "results" / "presets" / name, report=progress(name))
 
 
 def bought(preset: str, truth: xr.DataArray) -> xr.Dataset:
@@ -63,7 +57,7 @@ def main() -> None:
         "packings": len(OTHERS),
         "reference": f"{len(OTHERS)} other packings, {CYCLES} cycles each",
     }
-    write(presets, ROOT / "docs" / "presets.nc")
+    write(presets, DOCS / "presets.nc")
     print(presets)
 
 

@@ -9,13 +9,9 @@ case took.  About four minutes on two cores.
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from shared import DOCS, ROOT, processes
 
 from warpdamp import load, run
 from warpdamp.analysis.results import write
@@ -25,7 +21,6 @@ from warpdamp.damper.shake import shake
 from warpdamp.sweep.cases import Cases
 from warpdamp.variables import NOT_RUN
 
-ROOT = Path(__file__).parents[2]
 TOLERANCE, PAPER_STEP = 0.05, 2e-6
 
 
@@ -44,7 +39,7 @@ def fixed(length: int, seeds: list[int]) -> list[tuple[tuple[int, ...], dict]]:
     config = job(numerics={"step": PAPER_STEP}, seeds=seeds)
     specs = sorted(Cases(config).specs(), key=lambda spec: -spec.steps_per_cycle)
     criteria = Criteria(fewest=length, most=length, fixed=True)
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as executor:
+    with processes() as executor:
         done = executor.map(shake, [[[spec]] for spec in specs], [criteria] * len(specs))
         return [result for results in done for result in results]
 
@@ -80,7 +75,7 @@ def main() -> None:
             "fixed": ("point", energies.mean(axis=-1).ravel()),
         }
     )
-    write(result, ROOT / "docs" / "price.nc")
+    write(result, DOCS / "price.nc")
     print(result)
 
 

@@ -3,32 +3,24 @@
 python scripts/documents/stability.py
 """
 
+import os
 import statistics
 import sys
 import tempfile
 import time
-from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
+from shared import head, table, write_document
 
-import os  # noqa: E402
+from stability.cases import CASES, bed, shaken
+from warpdamp import Batch, Case, Effects
+from warpdamp.engine.checks import check_overlaps, check_run, check_values
+from warpdamp.numerics.timestep import steps_per_cycle
 
-from stability.cases import CASES, bed, shaken  # noqa: E402
-
-from warpdamp import Batch, Case, Effects  # noqa: E402
-from warpdamp.engine.checks import check_overlaps, check_run, check_values  # noqa: E402
-from warpdamp.numerics.timestep import steps_per_cycle  # noqa: E402
-
-HEAD = """# Hard cases
-
-Written by `scripts/documents/stability.py`. Every case either runs, stays finite, contained and closed in energy; or is refused
+INTRODUCTION = """. Every case either runs, stays finite, contained and closed in energy; or is refused
 before it starts; or runs and is flagged by a guard. The guards, on by default: every step, that the state is finite;
 every launch, that all particles are in the cavity; every case, the largest overlap (Hertz's theory ends at a tenth of
 the reduced radius) and the ledger's residual (2 % of the energy turned over). In a sweep each becomes a `status` with a
-remedy, in a single `Simulation` an error. Neighbour lists cannot overflow: they are counted before they are made.
-
-"""
+remedy, in a single `Simulation` an error. Neighbour lists cannot overflow: they are counted before they are made."""
 
 
 def how(outcome):
@@ -68,15 +60,11 @@ def cost_of_guards():
             call()
             times.append(time.perf_counter() - started)
         lines.append(f"- {name}: {1e6 * statistics.median(times):.0f} us a case")
-    return lines
+    return "\n".join(lines)
 
 
 def main():
-    lines = [
-        "| case | expected | ended | ledger residual | largest overlap / R* | in words | s |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    wrong = 0
+    rows, wrong = [], 0
     for case in CASES:
         started = time.perf_counter()
         outcome = case.run(True)
@@ -86,14 +74,16 @@ def main():
         wrong += bad
         words = outcome.flagged or (outcome.message if outcome.message != "ran" else "")
         figures = ["" if x != x else f"{x:.1e}" for x in (outcome.residual, outcome.deepest)]
-        lines.append(
-            f"| {case.title} | {case.expected} | {'**' + ended + '**' if bad else ended} | {' | '.join(figures)} "
-            f"| {words} | {seconds:.1f} |"
-        )
+        rows.append([case.title, case.expected, f"**{ended}**" if bad else ended, *figures, words, f"{seconds:.1f}"])
         print(f"{case.title}: {ended}{' WRONG' if bad else ''}, {words} ({seconds:.1f} s)", flush=True)
-    verdict = f"{len(CASES) - wrong} of {len(CASES)} cases end as they must.\n\n"
-    text = [*lines, "", "## What the guards cost", "", *cost_of_guards()]
-    (ROOT / "docs" / "stability.md").write_text(HEAD + verdict + "\n".join(text) + "\n")
+    write_document(
+        "stability.md",
+        head("Hard cases", __file__) + INTRODUCTION,
+        f"{len(CASES) - wrong} of {len(CASES)} cases end as they must.",
+        table(["case", "expected", "ended", "ledger residual", "largest overlap / R*", "in words", "s"], rows),
+        "## What the guards cost",
+        cost_of_guards(),
+    )
     return wrong
 
 

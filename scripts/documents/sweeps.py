@@ -9,7 +9,6 @@ import argparse
 import contextlib
 import json
 import os
-import platform
 import random
 import resource
 import shutil
@@ -23,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from shared import DOCS, head, machine, table, write_document
 
 import warpdamp
 from warpdamp.analysis.results import write
@@ -204,12 +204,12 @@ def partitions(folder: Path) -> dict:
     return {f"processes against {how}": ", ".join(names) or "identical" for how, names in found.items()}
 
 
-def million(measured: dict, each: float) -> list[str]:
+def million(measured: dict, each: float) -> str:
     """A plan on paper for 1,000,000 cases, from what was measured."""
     n = measured["cases"]
     per_case = measured["of it advancing cases [s]"] / n
     collect = 1e6 / n * measured["collecting [s]"]
-    return [
+    lines = [
         f"- Planning: {1e3 * each:.2f} ms a case, {1e6 * each / 60:.0f} minutes, once: runs that go on and array parts "
         "that start later read the plan that is kept. Where each case has a bed of its own, planning takes longer. "
         "Its arrays take 69 bytes a case.",
@@ -221,13 +221,14 @@ def million(measured: dict, each: float) -> list[str]:
         "- Beds: one file of some 10 kB each, kept in the cache folder, for every combination that changes the bed; a "
         "sampled sweep makes one for every case.",
     ]
+    return "\n".join(lines)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=10_000)
     parser.add_argument("--kills", type=int, default=20)
-    parser.add_argument("--docs", type=Path, default=Path("docs"))
+    parser.add_argument("--docs", type=Path, default=DOCS)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -237,42 +238,24 @@ def main():
         endured = [kills(folder, options.kills, how) for how in ("processes", "dask")]
         print(json.dumps(endured, indent=1), flush=True)
         shared = partitions(folder)
-    text = [
-        "# Sweeps: what they cost and what they survive",
-        "",
-        f"Written by `python scripts/documents/sweeps.py --cases {options.cases} --kills {options.kills}` on "
-        f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}.",
-        "",
+    write_document(
+        "sweeps.md",
+        head("Sweeps: what they cost and what they survive", __file__)
+        + f" with `--cases {options.cases} --kills {options.kills}` on {machine()}.",
         "## An uninterrupted sweep",
-        "",
         "16 spheres, 20 cycles a case, by processes.",
-        "",
-        "| | |",
-        "|---|---|",
-        *(f"| {key} | {value:.4g} |" for key, value in measured.items()),
-        "",
+        table(["", ""], [(key, f"{value:.4g}") for key, value in measured.items()]),
         "Everything that is not the advance of cases counts as overhead: start of the processes, compiled kernels, "
         "beds, statistics, shards, and the Dataset.",
-        "",
         "## kill -9 at random moments",
-        "",
         "Every physical variable (all but `cpu_time`) against the same sweep run in one process without a break.",
-        "",
-        "| " + " | ".join(endured[0]) + " |",
-        "|" + "---|" * len(endured[0]),
-        *("| " + " | ".join(map(str, row.values())) + " |" for row in endured),
-        "",
+        table(endured[0], [row.values() for row in endured]),
         "## However it is shared out",
-        "",
-        *(f"- {key}: {value}" for key, value in shared.items()),
-        "",
+        "\n".join(f"- {key}: {value}" for key, value in shared.items()),
         "## 1,000,000 cases, on paper",
-        "",
-        *million(measured, each),
-        "",
-    ]
-    options.docs.mkdir(parents=True, exist_ok=True)
-    (options.docs / "sweeps.md").write_text("\n".join(text), encoding="utf-8")
+        million(measured, each),
+        folder=options.docs,
+    )
 
 
 if __name__ == "__main__":

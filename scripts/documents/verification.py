@@ -6,35 +6,25 @@ python scripts/documents/verification.py
 import re
 import sys
 import time
-from pathlib import Path
 
-from matplotlib.figure import Figure
+from shared import DOCS, head, panels, table, write_document
 
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
+from verification import dampers, impacts, invariances, motion  # noqa: F401
+from verification.suite import CASES
 
-from verification import dampers, impacts, invariances, motion  # noqa: E402, F401
-from verification.suite import CASES  # noqa: E402
-
-HEAD = """# Verification
-
-Written by `scripts/documents/verification.py`, which runs every case of `tests/verification/` at full resolution; the test suite
-runs the same cases shortened. A miss is reported as a miss.
-
-"""
+INTRODUCTION = """, which runs every case of `tests/verification/` at full resolution; the test suite
+runs the same cases shortened. A miss is reported as a miss."""
 
 
 def picture(case, result, path):
     """The case's curves."""
-    figure = Figure(figsize=(6, 3.6), layout="constrained", dpi=110)
-    ax = figure.subplots()
+    figure, (ax,) = panels(1, (6, 3.6))
     for curve in result.curves:
         ax.plot(curve.x, curve.y, curve.style, label=curve.label, ms=4, lw=1)
     for axis, label in zip(("x", "y"), result.axes, strict=True):
         if "(log)" in label:
             getattr(ax, f"set_{axis}scale")("log")
         getattr(ax, f"set_{axis}label")(label.replace(" (log)", ""))
-    ax.grid(alpha=0.3)
     ax.legend(fontsize=7)
     figure.savefig(path)
 
@@ -43,24 +33,22 @@ def section(case, result, seconds, picture_path):
     """Text of one case."""
     held = sum(check.holds for check in result.checks)
     verdict = "holds" if held == len(result.checks) else f"MISSES {len(result.checks) - held} of {len(result.checks)}"
-    lines = [f"## {case.title}", "", f"**{verdict}** ({held} of {len(result.checks)} figures, {seconds:.1f} s)", ""]
-    lines += [f"- Setup: {case.setup}", f"- Reference: {case.reference}", f"- Tolerance: {case.tolerance}", ""]
+    blocks = [f"## {case.title}", f"**{verdict}** ({held} of {len(result.checks)} figures, {seconds:.1f} s)"]
+    blocks += [f"- Setup: {case.setup}\n- Reference: {case.reference}\n- Tolerance: {case.tolerance}"]
     if picture_path:
-        lines += [f"![{case.title}]({picture_path.relative_to(ROOT / 'docs')})", ""]
-    lines += ["| figure | expected | found | error | tolerance |", "|---|---|---|---|---|"]
-    for check in sorted(result.checks, key=lambda c: c.holds):
-        mark = "" if check.holds else " **miss**"
-        lines.append(
-            f"| {check.name} | {check.expected:.6g} | {check.found:.6g} | {check.error:.2g}{mark} "
-            f"| {check.tolerance:.2g} |"
-        )
-    return [*lines, ""]
+        blocks += [f"![{case.title}]({picture_path.relative_to(DOCS)})"]
+    rows = [
+        [check.name, f"{check.expected:.6g}", f"{check.found:.6g}"]
+        + [f"{check.error:.2g}{'' if check.holds else ' **miss**'}", f"{check.tolerance:.2g}"]
+        for check in sorted(result.checks, key=lambda c: c.holds)
+    ]
+    return [*blocks, table(["figure", "expected", "found", "error", "tolerance"], rows)]
 
 
 def main():
-    pictures = ROOT / "docs" / "verification"
+    pictures = DOCS / "verification"
     pictures.mkdir(parents=True, exist_ok=True)
-    index, body, missed = ["| case | figures | held |", "|---|---|---|"], [], 0
+    index, body, missed = [], [], 0
     for case in CASES:
         started = time.perf_counter()
         result = case.run(True)
@@ -71,10 +59,11 @@ def main():
             picture(case, result, path)
         held = sum(check.holds for check in result.checks)
         missed += len(result.checks) - held
-        index.append(f"| {case.title} | {len(result.checks)} | {held} |")
+        index.append([case.title, len(result.checks), held])
         body += section(case, result, seconds, path)
         print(f"{case.title}: {held} of {len(result.checks)}, {seconds:.1f} s", flush=True)
-    (ROOT / "docs" / "verification.md").write_text(HEAD + "\n".join([*index, "", *body]).rstrip() + "\n")
+    introduction = head("Verification", __file__) + INTRODUCTION
+    write_document("verification.md", introduction, table(["case", "figures", "held"], index), *body)
     return missed
 
 

@@ -7,6 +7,7 @@ import sys
 
 import pytest
 import xarray as xr
+
 from conftest import ROOT
 
 

@@ -2,11 +2,11 @@
 
 import io
 
-from conftest import ROOT
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
+from conftest import ROOT
 from warpdamp import ConfigError, load
 
 BASE = YAML(typ="safe").load(ROOT / "configs" / "beam.yaml")

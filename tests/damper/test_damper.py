@@ -10,8 +10,7 @@ from warpdamp import Batch, Case, Cylinder, Drive, State
 from warpdamp.damper.preparation import settle
 from warpdamp.engine.ledger import apparent_mass, harmonic_work, maximum_energy
 from warpdamp.numerics.timestep import steps_per_cycle
-
-RADIUS = 3.73e-3
+from warpdamp.scene.paper import RADIUS
 
 
 def shake(scene, state, dt, cycles):

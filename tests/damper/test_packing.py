@@ -4,17 +4,17 @@ import logging
 
 import numpy as np
 import pytest
-from conftest import ROOT
 from scipy.spatial.distance import pdist
 
+from conftest import ROOT
 from warpdamp import Cylinder, Grains, PackingError, Request, State, prepare
 from warpdamp.damper import preparation as packing
 from warpdamp.damper.placement import fill, separate
 from warpdamp.damper.preparation import settle
 from warpdamp.files import cache_folder
 from warpdamp.numerics.timestep import Numerics
+from warpdamp.scene.paper import RADIUS
 
-RADIUS = 3.73e-3
 PAPER = Grains.alike(RADIUS, 120)
 CAVITY = Cylinder(0.04, 0.04)
 DATA = ROOT / "tests" / "data"

@@ -9,8 +9,7 @@ from warpdamp.damper.placement import separate
 from warpdamp.engine import batch as engine
 from warpdamp.kernels import data
 from warpdamp.numerics.timestep import steps_per_cycle
-
-RADIUS = 3.73e-3
+from warpdamp.scene.paper import RADIUS
 
 
 def bed_case(damper, positions, gamma=6.0, frequency=46.0):

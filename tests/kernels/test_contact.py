@@ -8,8 +8,7 @@ import pytest
 from warpdamp import Simulation, State
 from warpdamp.numerics.timestep import contact_time
 from warpdamp.scene.contact import contact_constants
-
-RADIUS = 3.73e-3
+from warpdamp.scene.paper import RADIUS
 
 
 def reduced_modulus(scene):

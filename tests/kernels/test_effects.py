@@ -17,10 +17,9 @@ from warpdamp.engine.ledger import maximum_energy
 from warpdamp.numerics.timestep import steps_per_cycle
 from warpdamp.scene.contact import contact_constants
 from warpdamp.scene.effects import called_for, covering
+from warpdamp.scene.paper import PMMA, RADIUS
 
-RADIUS = 3.73e-3
 G = 9.81
-PMMA = Material(density=920, youngs_modulus=3.3e9, poissons_ratio=0.37)
 STEEL = Material(density=7800, youngs_modulus=210e9, poissons_ratio=0.3)
 WIDE = Cylinder(0.4, 0.04)
 

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 import pytest
-from beam_theory import Timoshenko, circle, rectangle, tube
 
+from beam_theory import Timoshenko, circle, rectangle, tube
 from warpdamp import Material
 from warpdamp.modal.beam import Beam, PointMass, beam_modes
 from warpdamp.modal.fem import graded

@@ -6,8 +6,8 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import ROOT
 
+from conftest import ROOT
 from warpdamp.errors import ModalError
 from warpdamp.modal import appendix_a as two_mass
 from warpdamp.modal.apparent_mass import ComplexMass, complex_mass, corrected, loaded_modes, particle_mass

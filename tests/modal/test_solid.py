@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from plate_theory import LEISSA, SIDE, STEEL, THICKNESS, UNIT, loaded_pinned_plate
 
+from plate_theory import LEISSA, SIDE, STEEL, THICKNESS, UNIT, loaded_pinned_plate
 from warpdamp.modal.beam import Beam, PointMass, beam_modes
 from warpdamp.modal.section import Rectangle
 from warpdamp.modal.solid import Clamp, MeshedSolid, Plate, StandingMass, plate_modes, solid_modes

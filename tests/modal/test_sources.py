@@ -4,10 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from conftest import ROOT
 from ruamel.yaml import YAML
 
 import warpdamp
+from conftest import ROOT
 from warpdamp import ConfigError, load
 from warpdamp.modal.from_config import modes
 from warpdamp.modal.mode_csv import read_csv

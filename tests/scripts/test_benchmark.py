@@ -5,9 +5,10 @@ import re
 import numpy as np
 import pytest
 from benchmarks import benchmark, document, peers, scaling, startup
-from benchmarks.damper import DT, FREQUENCY, RADIUS, STEPS_PER_CYCLE, cavity, damper
+from benchmarks.damper import DT, cavity, damper
 
 from warpdamp import State, load
+from warpdamp.scene.paper import FREQUENCY, RADIUS, STEPS_PER_CYCLE
 
 
 @pytest.fixture
@@ -44,7 +45,8 @@ def test_limits_are_judged_by_their_sense():
 
 
 def test_a_document_says_what_was_measured_missed_and_left_out():
-    text = document.text(benchmark.METRICS, {"lammps_ratio": [1.8, 1.9, 2.3]}, ["- a machine"])
+    samples = {"lammps_ratio": [1.8, 1.9, 2.3]}
+    text = "\n".join(document.blocks(benchmark.__file__, benchmark.METRICS, samples, ["- a machine"]))
     assert "| 1.9 (1.8 to 2.3) | >= 2 **miss** | >= 2.5 **miss** |" in text
     assert "| yade_ratio | speed over that of YADE | 1 | not measured | >= 7 | >= 10 |" in text
 

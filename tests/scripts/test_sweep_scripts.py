@@ -7,9 +7,9 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import ROOT
 
 import warpdamp
+from conftest import ROOT
 from warpdamp.status import Status
 from warpdamp.study.explain import explain
 

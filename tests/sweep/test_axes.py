@@ -4,8 +4,8 @@ import re
 
 import numpy as np
 import pytest
-from conftest import ROOT
 
+from conftest import ROOT
 from warpdamp import ConfigError, load
 from warpdamp.execution.batching import batches
 from warpdamp.sweep.cases import Cases

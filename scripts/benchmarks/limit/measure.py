@@ -2,7 +2,7 @@
 
     python scripts/benchmarks/limit/measure.py      (needs gcc or clang)
 
-One pair at a time and eight side by side, on the touching pairs of the jammed bed that `warpdamp.speed.frozen` uses.
+One pair at a time and eight side by side, on the touching pairs of the jammed bed of `warpdamp.study.cost.frozen`.
 """
 
 from __future__ import annotations
