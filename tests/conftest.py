@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from warpdamp import Cylinder, Drive, Material, Scene, State, Surface
+from warpdamp import Scene, State, Surface
 from warpdamp.files import cache_folder
+from warpdamp.scene import paper
+from warpdamp.scene.paper import PMMA, RADIUS
 
 ROOT = Path(__file__).parents[1]
-RADIUS = 3.73e-3
-PMMA = Material(density=920, youngs_modulus=3.3e9, poissons_ratio=0.37)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -42,12 +42,11 @@ def make_scene():
 
 
 @pytest.fixture
-def damper(make_scene):
+def damper():
     """The paper's damper, shaken at a frequency and Gamma (no drive at Gamma 0)."""
 
     def make(frequency=46.0, gamma=0.0):
-        drive = Drive(frequency, gamma * 9.81) if gamma else None
-        return make_scene(enclosure=Cylinder(0.04, 0.04), gravity=(0, 0, -9.81), drive=drive)
+        return paper.damper(frequency, gamma)
 
     return make
 

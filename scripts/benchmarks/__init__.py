@@ -1,1 +1,1 @@
-"""What ``scripts/benchmark.py`` measures, one subject a file."""
+"""What ``scripts/benchmarks/benchmark.py`` measures, one subject a file."""

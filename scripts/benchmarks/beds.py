@@ -7,8 +7,9 @@ import numpy as np
 from warpdamp import Batch, Case, Cylinder, State
 from warpdamp.damper.placement import separate
 from warpdamp.files import cache_folder
+from warpdamp.scene.paper import RADIUS
 
-from .damper import RADIUS, cavity, damper
+from .damper import cavity, damper
 
 DENSE = 0.60
 """Part that random spheres fill far from walls; a layer at the walls is looser."""

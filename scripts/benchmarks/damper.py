@@ -2,33 +2,27 @@
 
 import os
 import time
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing import get_context
 
-from warpdamp import Batch, Case, Cylinder, Drive, Material, Scene, Surface
+from documents.shared import processes
 
-COUNT = 120
-RADIUS = 3.73e-3  # [m]
-PMMA = Material(density=920, youngs_modulus=3.3e9, poissons_ratio=0.37)
-SURFACE = Surface(restitution=0.52, friction=0.86)
-FREQUENCY = 46.0  # [Hz]
-GAMMA = 6.0
-STEPS_PER_CYCLE = 10_870
+from warpdamp import Batch, Case, Cylinder, Scene
+from warpdamp.scene import paper
+from warpdamp.scene.paper import CAVITY, COUNT, FREQUENCY, GAMMA, STEPS_PER_CYCLE
+
 DT = 1 / (FREQUENCY * STEPS_PER_CYCLE)
-"""The paper's step, 2e-6 s, made a whole part of the cycle."""
+"""The paper's step [s]."""
 
 
 def cavity(count: int = COUNT) -> Cylinder:
     """The paper's cavity, scaled so that ``count`` spheres fill the same part of it."""
-    size = 0.040 * (count / COUNT) ** (1 / 3)
+    size = CAVITY.diameter * (count / COUNT) ** (1 / 3)
     return Cylinder(diameter=size, height=size)
 
 
 def damper(count: int = COUNT, gamma: float = GAMMA) -> Scene:
     """The shaken cavity of ``count`` spheres; at rest for Gamma 0."""
-    drive = Drive(FREQUENCY, gamma * 9.81) if gamma else None
-    return Scene(PMMA, PMMA, SURFACE, SURFACE, cavity(count), drive=drive)
+    return paper.damper(gamma=gamma, cavity=cavity(count))
 
 
 def shake(cases, steps: int, *, cycles: int = 0) -> tuple[float, Batch]:
@@ -60,7 +54,7 @@ def one_core():
 
 def in_fresh_process(function, *arguments):
     """What ``function`` returns in a process of its own, so that its memory is its own."""
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as executor:
+    with processes(1) as executor:
         return executor.submit(function, *arguments).result()
 
 

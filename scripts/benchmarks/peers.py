@@ -1,8 +1,8 @@
 """warpdamp beside LAMMPS, LIGGGHTS and YADE: the same bed, drive and step, one core, in turn.
 
 A peer gets a folder with two files: ``bed.data``, the spheres at rest, and ``scene.in``, every number of the scene.
-The decks in ``scripts/peers`` read both and hold no number of the scene themselves.  Each is run twice: with its energy
-accounts kept at every step, as warpdamp's ledger is, and lean, with as little of them as it can do with.
+The decks in ``scripts/benchmarks/decks`` read both and hold no number of the scene themselves.  Each is run twice: with
+its energy accounts kept at every step, as warpdamp's ledger is, and lean, with as little of them as it can do with.
 """
 
 import os
@@ -19,10 +19,11 @@ import numpy as np
 
 from warpdamp import Grains, Request, Scene, State, prepare
 from warpdamp.engine.ledger import maximum_energy
+from warpdamp.scene.paper import COUNT, RADIUS, STEPS_PER_CYCLE
 
-from .damper import COUNT, DT, RADIUS, STEPS_PER_CYCLE, damper, one_core, shake
+from .damper import DT, damper, one_core, shake
 
-DECKS = Path(__file__).parents[1] / "peers"
+DECKS = Path(__file__).parent / "decks"
 SKIN = 4e-4
 """Of the peers' neighbour lists [m]; half and twice of it change their speed by less than it scatters."""
 CYCLES = 10

@@ -6,10 +6,9 @@ import subprocess
 import sys
 import tempfile
 import time
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
+from documents.shared import ROOT, processes
 from ruamel.yaml import YAML
 
 from warpdamp import load, run
@@ -17,7 +16,6 @@ from warpdamp import load, run
 from .damper import damper, shake
 from .peers import resting_bed
 
-ROOT = Path(__file__).parents[2]
 WARPDAMP = (sys.executable, "-m", "warpdamp")
 
 SWEEP = {
@@ -143,7 +141,7 @@ def machine_gain(rounds: int = 5) -> dict[str, list[float]]:
     Nothing is shared, shared out or kept: no sweep can gain more.
     """
     gains = []
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as executor:
+    with processes(2) as executor:
         list(executor.map(_shaken, [1.0, 1.0]))  # starts both, and compiles
         for _ in range(rounds):
             one = executor.submit(_shaken, 3.0).result()

@@ -1,4 +1,4 @@
-"""The hard cases, as data and functions; shortened in the tests, whole in ``scripts/stability.py``."""
+"""The hard cases, as data and functions; shortened in the tests, whole in ``scripts/documents/stability.py``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from warpdamp import (
     Cylinder,
     Drive,
     Grains,
-    Material,
     PackingError,
     Request,
     Scene,
@@ -30,10 +29,8 @@ from warpdamp.engine.ledger import Ledger
 from warpdamp.kernels.columns import KernelStatus
 from warpdamp.numerics.timestep import check_step, contact_step, steps_per_cycle
 from warpdamp.scene.effects import called_for
+from warpdamp.scene.paper import CAVITY, PMMA, RADIUS
 
-PMMA = Material(920, 3.3e9, 0.37)
-RADIUS = 3.73e-3
-CAVITY = Cylinder(0.04, 0.04)
 G = (0.0, 0.0, -9.81)
 
 

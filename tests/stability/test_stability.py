@@ -1,4 +1,4 @@
-"""Every hard case, shortened.  Whole: ``scripts/stability.py``, docs/stability.md."""
+"""Every hard case, shortened.  Whole: ``scripts/documents/stability.py``, docs/stability.md."""
 
 import pytest
 

@@ -1,6 +1,6 @@
 """A verification case: what is set up, what it is compared with, and how far off it may be, and why.
 
-The cases are data and functions; the tests run them shortened, ``scripts/verification.py`` at full resolution.
+The cases are data and functions; the tests run them shortened, ``scripts/documents/verification.py`` at full resolution.
 """
 
 from __future__ import annotations
@@ -14,9 +14,7 @@ from warpdamp import Batch, Case, Cylinder, Drive, Material, Scene, Simulation, 
 from warpdamp.engine.ledger import maximum_energy
 from warpdamp.numerics.timestep import contact_time
 from warpdamp.scene.contact import contact_constants
-
-PMMA = Material(920, 3.3e9, 0.37)
-RADIUS = 3.73e-3
+from warpdamp.scene.paper import PMMA, RADIUS
 
 
 @dataclass(frozen=True)

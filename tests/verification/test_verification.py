@@ -1,4 +1,4 @@
-"""Every verification case, shortened.  At full resolution: ``scripts/verification.py``, docs/verification.md."""
+"""Every verification case, shortened.  At full resolution: ``scripts/documents/verification.py``, docs/verification.md."""
 
 import pytest
 

@@ -37,7 +37,7 @@ single ones, in which chance is the most, reach 4.6 (docs/accuracy.md)."""
 LOOSE_MEMORY, TIGHT_MEMORY = 0.035, 0.08
 """Relative standard error of what one bed says, however well its cycles are averaged: a bed stays in one of many states
 for hundreds to thousands of cycles, and what a state dissipates differs.  Root mean squares over 159 and 75 cases of
-beds 3.6 to 5.4 spheres across, draws 20, 2026 and 3 of scripts/coverage.py; packings average it out."""
+beds 3.6 to 5.4 spheres across, draws 20, 2026 and 3 of scripts/documents/coverage.py; packings average it out."""
 
 TIGHT_FILL = 0.5
 """Part of the cavity that particles fill from which a bed counts as tight: 0.42-0.48 and 0.519 were measured."""

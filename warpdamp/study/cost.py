@@ -16,16 +16,12 @@ from ..damper.preparation import prepare
 from ..engine.batch import Batch, Case
 from ..files import cache_folder, whole_file
 from ..scene.effects import EFFECTS, Effects
+from ..scene.paper import COUNT, FREQUENCY, RADIUS, STEPS_PER_CYCLE, damper
 from ..scene.particles import Grains, State
-from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
+from ..scene.scene import Scene
 from ..sweep.cases import Cases
 from ..sweep.plan import plan
 from ..version import PHYSICS_VERSION
-
-RADIUS, COUNT = 3.73e-3, 120
-FREQUENCY, GAMMA = 46.0, 6.0
-STEPS_PER_CYCLE = 10_870
-"""The paper's damper near its first mode, at the paper's step of 2 us."""
 
 STILL = 1e-18
 """A step [s] so short that contacts stay as they are."""
@@ -51,16 +47,9 @@ def within(effects: Effects, name: str) -> Effects:
     return replace(effects, **dict.fromkeys(TOGGLES[name], True))
 
 
-def paper_scene(gamma: float = GAMMA) -> Scene:
-    """The paper's damper, shaken at ``FREQUENCY``."""
-    pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
-    drive = Drive(FREQUENCY, gamma * STANDARD_GRAVITY)
-    return Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04), drive=drive)
-
-
 def jammed_bed() -> tuple[Scene, State]:
     """The paper's bed pressed against the floor, a quarter cycle into its fifth at Gamma 1."""
-    scene = paper_scene(1.0)
+    scene = damper(gamma=1.0)
     loose = prepare(Request(scene, Grains.alike(RADIUS, COUNT), 1, "loose")).state
     batch = Batch([Case(scene, loose, 1 / FREQUENCY / STEPS_PER_CYCLE)])
     batch.advance(4 * STEPS_PER_CYCLE + 3 * STEPS_PER_CYCLE // 4)
@@ -76,7 +65,7 @@ def frozen(every: list[Effects], *, bed=None, rounds: int = 9, steps: int = 4000
 
 def moving(every: list[Effects], *, rounds: int = 9) -> dict[Effects, list[float]]:
     """The same in the paper's scene at Gamma 6, a cycle a round; each set of effects moves its bed its own way."""
-    scene = paper_scene()
+    scene = damper()
     loose = prepare(Request(scene, Grains.alike(RADIUS, COUNT), 1, "loose")).state
     case = Case(scene, loose, 1 / FREQUENCY / STEPS_PER_CYCLE)
     batches = [Batch([case], max_rows=rounds + 4, effects=effects) for effects in every]

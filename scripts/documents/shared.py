@@ -1,0 +1,72 @@
+"""What the scripts of this folder share: where documents lie, their parts in Markdown, figures, worker processes."""
+
+import importlib.metadata
+import os
+import platform
+import sys
+import time
+from collections.abc import Collection, Iterable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+import warpdamp
+from warpdamp.files import whole_file
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+sys.path.insert(0, str(ROOT / "tests"))  # closed forms and cases that documents share with the tests
+
+
+def head(title: str, script: str) -> str:
+    """The first lines of a document: its title, and the script (``__file__``) that wrote it, without a full stop."""
+    return f"# {title}\n\nWritten by `python {Path(script).resolve().relative_to(ROOT)}`"
+
+
+def table(heading: Collection[str], rows: Iterable[Iterable]) -> str:
+    """A Markdown table; cells are text or what ``str`` makes of them."""
+    first, *lines = (f"| {' | '.join(map(str, row))} |" for row in (heading, *rows))
+    return "\n".join([first, "|" + "---|" * len(heading), *lines])
+
+
+def write_document(name: str, *blocks: str, folder: Path = DOCS) -> None:
+    """Write ``folder/name``, an empty line between any two blocks, and print it."""
+    text = "\n\n".join(blocks).rstrip() + "\n"
+    folder.mkdir(parents=True, exist_ok=True)
+    with whole_file(folder / name) as part:
+        part.write_text(text, encoding="utf-8")
+    print(text)
+
+
+def machine() -> str:
+    """The processor, how many cores, the system, the date, and the versions of what computes."""
+    model = platform.processor() or platform.machine()
+    if (info := Path("/proc/cpuinfo")).exists():
+        named = [line.partition(":")[2].strip() for line in info.read_text().splitlines() if "model name" in line]
+        model = named[0] if named else model
+    versions = [f"{name} {importlib.metadata.version(name)}" for name in ("warp-lang", "numpy")]
+    return (
+        f"{model}, {os.cpu_count()} cores, {platform.system()}, {time.strftime('%Y-%m-%d')}, "
+        f"warpdamp {warpdamp.__version__}, {', '.join(versions)}, Python {platform.python_version()}"
+    )
+
+
+def panels(count: int, size: tuple[float, float], **options):
+    """A figure of ``count`` panels side by side, its size in inches, and their axes, each with a grid."""
+    figure = Figure(figsize=size, layout="constrained", dpi=110)
+    axes = figure.subplots(1, count, squeeze=False, **options)[0]
+    for ax in axes:
+        ax.grid(alpha=0.3)
+    return figure, axes
+
+
+def processes(workers: int | None = None) -> ProcessPoolExecutor:
+    """Fresh processes, one for each core by default: Warp does not promise that its runtime survives a fork."""
+    return ProcessPoolExecutor(workers or os.cpu_count(), mp_context=get_context("spawn"))
+
+
+def progress(*words: str):
+    """A ``report`` for ``warpdamp.run`` that prints, after some words, the stage and how much of it is done."""
+    return lambda stage, done: print(*words, stage, f"{done:.0%}", flush=True)
