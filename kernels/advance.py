@@ -6,6 +6,7 @@ import warp as wp
 
 from .columns import KernelStatus
 from .cylinder import wall_contacts
+from .lanes import promises
 from .ledger import ledger
 from .motion import motion
 from .options import UNIQUE
@@ -17,17 +18,18 @@ OK, NOT_FINITE, ESCAPED = (wp.constant(int(status)) for status in KernelStatus)
 
 
 @functools.cache
-def stepper(effects):
-    """Return the kernels ``advance`` and ``synchronise`` for the given effects."""
+def stepper(effects, count: int):
+    """Return the kernels ``advance`` and ``synchronise`` for the given effects, ``count`` contacts side by side."""
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
     Case, Particle, Contacts, Mount = t.Case, t.Particle, t.Contacts, t.Mount
-    pair_forces, _ = pair_contacts(effects)
-    wall_forces, _, contained = wall_contacts(effects)
+    pair_forces, _ = pair_contacts(effects, count)
+    wall_forces, _, contained = wall_contacts(effects, count)
     enclosure_phase, integrate, kick = motion(effects)
-    book = ledger(effects)
+    book = ledger(effects, count)
     tally, stored, add_impulses, Column = book.tally, book.stored, book.add_impulses, book.Column
     begin_cycle, cycle_displacement = book.begin_cycle, book.cycle_displacement
+    contiguous_contacts = promises(effects)
     s = structure(effects)
     answer, record, enclosure_place = s.answer, s.record, s.enclosure_place
 
@@ -91,6 +93,7 @@ def stepper(effects):
         ``cycle_start`` holds where the particles were at the end of the last cycle, apart from them: it is seldom
         looked at.
         """
+        contiguous_contacts(c)
         n = wp.tid()
         case = cases[n]
         step = steps[n]

@@ -29,6 +29,11 @@ Energy
     The work of friction between two steps is the mean of its force at both times the way slid.  Less the change of the
     stored energy it splits into what loading and unloading give up (history) and what slides (slip); dashpots lose
     their coefficient times the square of the predicted velocity.  Each loss is non-negative by its own formula.
+
+Vectors
+    The compiler computes several contacts side by side with the code below (``lanes.py``).  It gives that up, and half
+    the speed with it, where a branch loads, stores, calls or returns (arithmetic alone becomes a selection), or a loop
+    has bounds that are not constants.  ``tests/test_lanes.py`` asks it.
 """
 
 import functools

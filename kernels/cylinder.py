@@ -1,6 +1,5 @@
 """Contacts between particles and the cylindrical cavity: side, floor and lid, each of them there or not.
 
-The walls stand still (the frame is the enclosure's) and are rigid bodies of their own material: R* = R, m* = m.
 A particle in an edge touches two walls, each with its own history.  A cavity without a lid is an open cup whose side
 rises without end; floor and lid reach as far as the particles do.
 """
@@ -11,100 +10,96 @@ import warp as wp
 
 from .bounds import bounds
 from .contact import contact_law
+from .lanes import lanes, natural
 from .particles import particles
+from .spheres import spheres
 from .structs import FLOOR, LID, SIDE, WALLS, types
 
 
 @functools.cache
-def wall_contacts(effects):
-    """Return ``wall_forces``, ``wall_energy`` and ``contained`` for the given effects."""
+def wall_contacts(effects, count: int):
+    """Return ``wall_forces``, ``wall_energy`` and ``contained`` for the given effects.
+
+    ``count`` contacts are computed side by side.
+    """
     t = types(effects)
     real, vec3 = t.real, t.vec3
-    Losses, Motion, History = t.Losses, t.Motion, t.History
+    Losses, History = t.Losses, t.History
     Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     contact, parted, elastic_energy, remembered_energy = contact_law(effects)
-    g = particles(effects)
-    radius_of, inverse_mass_of, law_of = g.radius_of, g.inverse_mass_of, g.wall_law
-    wall_curvature, at_least = g.wall_curvature, bounds(real).at_least
+    law_of = particles(effects).wall_law
+    shape = spheres(effects)
+    wall_touches, wall_touch, wall_motion = shape.wall_touches, shape.wall_touch, shape.wall_motion
+    at_least = bounds(real).at_least
+    side_by_side = lanes(effects, count)
+    LANES, LOSSES = side_by_side.LANES, side_by_side.LOSSES
+    Scalars, Vectors, Lost = side_by_side.Scalars, side_by_side.Vectors, side_by_side.Lost
 
     @wp.func
-    def side_gap(case: Case, x: vec3, radius: real):
-        """Distance between the particle's surface and the side (negative: overlap) and the side's inward normal."""
-        reach = case.radius - radius
-        rho2 = x[0] * x[0] + x[1] * x[1]
-        if rho2 <= reach * reach:
-            return real(1.0), vec3()  # clear of the side: how far does not matter
-        rho = wp.sqrt(rho2)
-        return reach - rho, vec3(-x[0] / rho, -x[1] / rho, real(0.0))
+    def noted(c: Contacts, place: int, touches: wp.bool, last: int):
+        """Note a wall if it touches, or did so a step ago; return the end of the notes."""
+        near = wp.where(touches, 1, 0)
+        if wp.static(effects.history):
+            near |= wp.where(c.wall[place].radius > real(0.0), 1, 0)
+        c.touching_walls[last] = place
+        return last + near
 
     @wp.func
-    def wall_motion(
-        case: Case, p: wp.array(dtype=Particle), i: int, wall: int, radius: real, normal: vec3, arm: real, since: real
-    ):
-        """How i's surface moves past the wall; what the effects do not ask for stays zero."""
-        motion = Motion()
-        if wp.static(effects.dashpots):
-            motion.velocity = p[i].velocity
-            if wp.static(effects.rotation):
-                motion.velocity -= arm * wp.cross(p[i].spin, normal)
-        if wp.static(effects.friction):
-            passing = p[i].half_velocity
-            passing -= wp.dot(passing, normal) * normal
-            if wall == SIDE:  # its normal turns as the particle goes round
-                motion.tilted = -since / (case.radius - arm) * vec3(passing[0], passing[1], real(0.0))
-            if wp.static(effects.rotation):
-                passing -= arm * wp.cross(p[i].half_spin, normal)
-                motion.turned = real(0.5) * since * wp.dot(p[i].half_spin, normal)
-            motion.slid = since * passing
-        if wp.static(effects.rolling):
-            motion.rolled = since * radius * wp.cross(p[i].half_spin, normal)
-            if wp.static(effects.dashpots):
-                motion.rolling = radius * wp.cross(p[i].spin, normal)
-        return motion
+    def touching_walls(case: Case, p: wp.array(dtype=Particle), c: Contacts):
+        """Note the places of the walls that touch, WALLS i + wall; return the first and the end."""
+        first = natural(case.first)
+        last = WALLS * first
+        i = first
+        while i < first + case.count:
+            x = p[i].position
+            if wp.static(effects.side):
+                last = noted(c, WALLS * i + SIDE, wall_touches(case, p, i, SIDE, x), last)
+            if wp.static(effects.floor):
+                last = noted(c, WALLS * i + FLOOR, wall_touches(case, p, i, FLOOR, x), last)
+            if wp.static(effects.lid):
+                last = noted(c, WALLS * i + LID, wall_touches(case, p, i, LID, x), last)
+            i += 1
+        return WALLS * first, last
 
     @wp.func
-    def wall_force(
-        case: Case,
-        p: wp.array(dtype=Particle),
-        c: Contacts,
-        i: int,
-        wall: int,
-        gap: real,
-        normal: vec3,
-        h: real,
-        since: real,
-    ):
-        """Add what one wall does to one particle; return the force [N], the losses [J] and the overlap over R."""
-        f = vec3()
-        lost = Losses()
-        depth = real(0.0)
-        if gap < real(0.0):
-            radius = radius_of(case, p, i)
-            arm = radius + gap
-            old = History()
+    def wall_contact(case: Case, p: wp.array(dtype=Particle), c: Contacts, place: int, h: real, since: real):
+        """What a wall does to a particle: force, torque, history, losses, overlap over R."""
+        i = place / WALLS
+        wall = place - WALLS * i
+        touch = wall_touch(case, p, i, wall, p[i].position)
+        law = law_of(case, p, c, i)
+        old = History()
+        if wp.static(effects.history):
+            old = c.wall[place]
+        f, rolling, history, lost = contact(
+            law,
+            touch.radius,
+            touch.mass,
+            touch.overlap,
+            touch.normal,
+            wall_motion(case, p, i, wall, touch, since),
+            old,
+            h,
+        )
+        if touch.overlap <= real(0.0):
+            f = vec3()
+            rolling = vec3()
+            history = History()
+            lost = Losses()
             if wp.static(effects.history):
-                old = c.wall[WALLS * i + wall]
-            f, rolling, history, lost = contact(
-                law_of(case, p, c, i),
-                radius,
-                real(1.0) / inverse_mass_of(case, p, i),
-                -gap,
-                normal,
-                wall_motion(case, p, i, wall, radius, normal, arm, since),
-                old,
-                h,
-            )
-            p[i].force += f
-            if wp.static(effects.rotation):
-                p[i].torque += arm * wp.cross(f, normal) + radius * wp.cross(normal, rolling)
-            if wp.static(effects.history):
-                c.wall[WALLS * i + wall] = history
-            depth = -gap * wall_curvature(case, p, i)
-        elif wp.static(effects.history):
-            if c.wall[WALLS * i + wall].radius > real(0.0):
-                lost = parted(law_of(case, p, c, i), c.wall[WALLS * i + wall])
-                c.wall[WALLS * i + wall] = History()
-        return f, lost, depth
+                lost = parted(law, old)
+        torque = touch.arm_i * wp.cross(f, touch.normal) + touch.radius * wp.cross(touch.normal, rolling)
+        return f, torque, history, lost, touch.overlap * touch.curvature
+
+    @wp.func
+    def add_wall(p: wp.array(dtype=Particle), c: Contacts, place: int, f: vec3, torque: vec3, history: History):
+        """Add what a wall does to its particle, and keep the history."""
+        i = place / WALLS
+        p[i].force += f
+        if wp.static(effects.rotation):
+            p[i].torque += torque
+        if wp.static(effects.history):
+            c.wall[place] = history
 
     @wp.func
     def wall_forces(case: Case, p: wp.array(dtype=Particle), c: Contacts, h: real, since: real):
@@ -118,37 +113,56 @@ def wall_contacts(effects):
         largest = real(0.0)
         on_floor = real(0.0)
         on_lid = real(0.0)
-        for i in range(case.first, case.first + case.count):
-            x = p[i].position
-            radius = radius_of(case, p, i)
-            if wp.static(effects.side):
-                gap, normal = side_gap(case, x, radius)
-                f, lost, depth = wall_force(case, p, c, i, SIDE, gap, normal, h, since)
+        forces, torques, stretches, rolls = Vectors(), Vectors(), Vectors(), Vectors()
+        radii, depths, lost = Scalars(), Scalars(), Lost()
+        first, last = touching_walls(case, p, c)
+        m = first
+        while m < last:
+            for lane in range(LANES):
+                place = natural(c.touching_walls[wp.min(m + lane, last - 1)])
+                f, torque, history, loss, depth = wall_contact(case, p, c, place, h, since)
+                forces[lane] = f
+                torques[lane] = torque
+                for channel in range(LOSSES):
+                    lost[channel, lane] = loss[channel]
+                depths[lane] = depth
+                if wp.static(effects.history):
+                    radii[lane] = history.radius
+                if wp.static(effects.friction):
+                    stretches[lane] = history.stretch
+                if wp.static(effects.rolling):
+                    rolls[lane] = history.roll
+            used = wp.min(LANES, last - m)
+            lane = wp.int32(0)
+            while lane < used:
+                history = History()
+                if wp.static(effects.history):
+                    history.radius = radii[lane]
+                if wp.static(effects.friction):
+                    history.stretch = stretches[lane]
+                if wp.static(effects.rolling):
+                    history.roll = rolls[lane]
+                place = natural(c.touching_walls[m + lane])
+                f = forces[lane]
+                add_wall(p, c, place, f, torques[lane], history)
                 reaction -= f
-                losses += lost
-                largest = at_least(largest, depth)
-            if wp.static(effects.floor):
-                up = vec3(real(0.0), real(0.0), real(1.0))
-                f, lost, depth = wall_force(case, p, c, i, FLOOR, x[2] - radius, up, h, since)
-                reaction -= f
-                on_floor += f[2]
-                losses += lost
-                largest = at_least(largest, depth)
-            if wp.static(effects.lid):
-                down = vec3(real(0.0), real(0.0), real(-1.0))
-                f, lost, depth = wall_force(case, p, c, i, LID, case.height - x[2] - radius, down, h, since)
-                reaction -= f
-                on_lid -= f[2]
-                losses += lost
-                largest = at_least(largest, depth)
+                wall = place - WALLS * (place / WALLS)
+                on_floor += wp.where(wall == FLOOR, f[2], real(0.0))
+                on_lid -= wp.where(wall == LID, f[2], real(0.0))
+                for channel in range(LOSSES):
+                    losses[channel] += lost[channel, lane]
+                largest = at_least(largest, depths[lane])
+                lane += 1
+            m += LANES
         return reaction, losses, largest, on_floor, on_lid
 
     @wp.func
-    def single_energy(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, gap: real):
-        """Elastic energy (normal, tangential, rolling) [J] of one particle and one wall."""
+    def single_energy(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, x: vec3):
+        """Elastic energy (normal, tangential, rolling) [J] of a particle with its centre at ``x`` and a wall."""
         stored = wp.vec3d()
-        if gap < real(0.0):
-            stored[0] = wp.float64(elastic_energy(law_of(case, p, c, i), radius_of(case, p, i), -gap))
+        touch = wall_touch(case, p, i, wall, x)
+        if touch.overlap > real(0.0):
+            stored[0] = wp.float64(elastic_energy(law_of(case, p, c, i), touch.radius, touch.overlap))
         if wp.static(effects.history):
             tangential, rolling = remembered_energy(law_of(case, p, c, i), c.wall[WALLS * i + wall])
             stored[1] = wp.float64(tangential)
@@ -161,14 +175,12 @@ def wall_contacts(effects):
         stored = wp.vec3d()
         for i in range(case.first, case.first + case.count):
             x = p[i].position - offset * p[i].half_velocity
-            radius = radius_of(case, p, i)
             if wp.static(effects.side):
-                gap, _normal = side_gap(case, x, radius)
-                stored += single_energy(case, p, c, i, SIDE, gap)
+                stored += single_energy(case, p, c, i, SIDE, x)
             if wp.static(effects.floor):
-                stored += single_energy(case, p, c, i, FLOOR, x[2] - radius)
+                stored += single_energy(case, p, c, i, FLOOR, x)
             if wp.static(effects.lid):
-                stored += single_energy(case, p, c, i, LID, case.height - x[2] - radius)
+                stored += single_energy(case, p, c, i, LID, x)
         return stored
 
     @wp.func

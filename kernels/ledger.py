@@ -23,8 +23,11 @@ from .structure import structure
 
 
 @functools.cache
-def ledger(effects):
-    """Return what fills the ledger's rows for the given effects, and the number of each ``Column``."""
+def ledger(effects, count: int):
+    """Return what fills the ledger's rows for the given effects, and the number of each ``Column``.
+
+    ``count`` is that of contacts side by side, so that the functions are those of the forces.
+    """
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
     Case, Particle, Contacts, Mount = t.Case, t.Particle, t.Contacts, t.Mount
@@ -32,8 +35,8 @@ def ledger(effects):
     Column = IntEnum("Column", columns(effects), start=0)
     LOSSES = wp.constant(len(losses(effects)))
     PARTICLE_LOSSES, WALL_LOSSES = (wp.constant(int(Column[f"{place}_{losses(effects)[0]}"])) for place in PLACES)
-    _, pair_energy = pair_contacts(effects)
-    _, wall_energy, _ = wall_contacts(effects)
+    _, pair_energy = pair_contacts(effects, count)
+    _, wall_energy, _ = wall_contacts(effects, count)
     g = particles(effects)
     inverse_mass_of, inverse_inertia_of = g.inverse_mass_of, g.inverse_inertia_of
 

@@ -5,6 +5,7 @@ import functools
 import warp as wp
 
 from .bounds import bounds
+from .lanes import natural
 from .particles import particles
 from .structs import types
 
@@ -63,7 +64,8 @@ def motion(effects):
         mean_velocity = vec3()
         body = body_force(case, inertial)
         half = real(0.5) * case.dt
-        for i in range(case.first, case.first + case.count):
+        first = natural(case.first)
+        for i in range(first, first + case.count):
             inverse_mass = inverse_mass_of(case, p, i)
             acceleration = inverse_mass * p[i].force + body
             before = p[i].half_velocity

@@ -86,6 +86,7 @@ def neighbour_search(effects):
         last = first
         if waiting[group[i]] == 0:
             for k in range(old.start[i], old.start[i + 1]):
+                fresh.owner[last] = i
                 fresh.partner[last] = old.partner[k]
                 if wp.static(effects.history):
                     fresh.pair[last] = old.pair[k]
@@ -99,6 +100,7 @@ def neighbour_search(effects):
                     fresh.partner[k] = fresh.partner[k - 1]
                     k -= 1
                 fresh.partner[k] = j
+                fresh.owner[last] = i
                 last += 1
         if wp.static(effects.history):
             for k in range(first, last):

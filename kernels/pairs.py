@@ -6,14 +6,15 @@ import warp as wp
 
 from .bounds import bounds
 from .contact import contact_law
+from .lanes import lanes, natural
 from .particles import particles
 from .spheres import spheres
 from .structs import types
 
 
 @functools.cache
-def pair_contacts(effects):
-    """Return ``pair_forces`` and ``pair_energy`` for the given effects."""
+def pair_contacts(effects, count: int):
+    """Return ``pair_forces`` and ``pair_energy`` for the given effects, ``count`` contacts side by side."""
     t = types(effects)
     real, vec3 = t.real, t.vec3
     Losses, History = t.Losses, t.History
@@ -23,21 +24,46 @@ def pair_contacts(effects):
     shape = spheres(effects)
     pair_touches, pair_touch, pair_motion = shape.pair_touches, shape.pair_touch, shape.pair_motion
     at_least = bounds(real).at_least
+    side_by_side = lanes(effects, count)
+    LANES, LOSSES = side_by_side.LANES, side_by_side.LOSSES
+    Scalars, Vectors, Lost = side_by_side.Scalars, side_by_side.Vectors, side_by_side.Lost
 
     @wp.func
-    def pair_contact(
-        case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, j: int, k: int, branch: vec3, h: real, since: real
-    ):
-        """What a touching pair does, k its place in the list.
+    def touching_pairs(case: Case, p: wp.array(dtype=Particle), c: Contacts):
+        """Note the places in the list of the pairs that touch, or did so a step ago; return the first and the end.
+
+        Without a branch: which of the listed pairs touch is hard to foresee.
+        """
+        first = natural(c.start[case.first])
+        end = c.start[case.first + case.count]
+        last = first
+        k = first
+        while k < end:  # half the instructions of a range
+            i = natural(c.owner[k])
+            j = natural(c.partner[k])
+            near = wp.where(pair_touches(case, p, i, j, p[i].position - p[j].position), 1, 0)
+            if wp.static(effects.history):
+                near |= wp.where(c.pair[k].radius > real(0.0), 1, 0)
+            c.touching[last] = k
+            last += near
+            k += 1
+        return first, last
+
+    @wp.func
+    def pair_contact(case: Case, p: wp.array(dtype=Particle), c: Contacts, k: int, h: real, since: real):
+        """What the pair at place k of the list does; one that has parted gives up what it remembers.
 
         Returns the force on i, the torques on i and j, the history, the losses and the overlap over R*.
         """
-        touch = pair_touch(case, p, i, j, branch)
+        i = natural(c.owner[k])
+        j = natural(c.partner[k])
+        touch = pair_touch(case, p, i, j, p[i].position - p[j].position)
+        law = law_of(case, p, c, i, j)
         old = History()
         if wp.static(effects.history):
             old = c.pair[k]
         f, rolling, history, lost = contact(
-            law_of(case, p, c, i, j),
+            law,
             touch.radius,
             touch.mass,
             touch.overlap,
@@ -46,6 +72,13 @@ def pair_contacts(effects):
             old,
             h,
         )
+        if touch.overlap <= real(0.0):
+            f = vec3()
+            rolling = vec3()
+            history = History()
+            lost = Losses()
+            if wp.static(effects.history):
+                lost = parted(law, old)
         moment = wp.cross(f, touch.normal)
         resisting = touch.radius * wp.cross(touch.normal, rolling)
         on_i = touch.arm_i * moment + resisting
@@ -53,39 +86,64 @@ def pair_contacts(effects):
         return f, on_i, on_j, history, lost, touch.overlap * touch.curvature
 
     @wp.func
+    def add_pair(p: wp.array(dtype=Particle), c: Contacts, k: int, f: vec3, on_i: vec3, on_j: vec3, history: History):
+        """Add a pair's forces and torques to its particles, and keep its history."""
+        i = natural(c.owner[k])
+        j = natural(c.partner[k])
+        p[i].force += f
+        p[j].force -= f
+        if wp.static(effects.rotation):
+            p[i].torque += on_i
+            p[j].torque += on_j
+        if wp.static(effects.history):
+            c.pair[k] = history
+
+    @wp.func
     def pair_forces(case: Case, p: wp.array(dtype=Particle), c: Contacts, h: real, since: real):
         """Add all pair forces and torques of a case; return its losses [J] and its largest overlap over R*.
 
-        The step stands for ``h`` seconds, and comes ``since`` seconds after the last one.  Pairs that do not touch add
-        nothing: sums do not depend on how long ago the list was made.
+        The step stands for ``h`` seconds, and comes ``since`` seconds after the last one.  Sums run over the pairs that
+        touch, in the order of the list: they do not depend on how long ago it was made.
         """
         losses = Losses()
         largest = real(0.0)
-        for i in range(case.first, case.first + case.count):
-            x = p[i].position
-            force = vec3()
-            torque = vec3()
-            for k in range(c.start[i], c.start[i + 1]):
-                j = c.partner[k]
-                branch = x - p[j].position
-                if pair_touches(case, p, i, j, branch):
-                    f, on_i, on_j, history, lost, depth = pair_contact(case, p, c, i, j, k, branch, h, since)
-                    force += f
-                    p[j].force -= f
-                    if wp.static(effects.rotation):
-                        torque += on_i
-                        p[j].torque += on_j
-                    if wp.static(effects.history):
-                        c.pair[k] = history
-                    losses += lost
-                    largest = at_least(largest, depth)
-                elif wp.static(effects.history):
-                    if c.pair[k].radius > real(0.0):
-                        losses += parted(law_of(case, p, c, i, j), c.pair[k])
-                        c.pair[k] = History()
-            p[i].force += force
-            if wp.static(effects.rotation):
-                p[i].torque += torque
+        forces, torques_i, torques_j, stretches, rolls = Vectors(), Vectors(), Vectors(), Vectors(), Vectors()
+        radii, depths, lost = Scalars(), Scalars(), Lost()
+        first, last = touching_pairs(case, p, c)
+        m = first
+        while m < last:
+            for lane in range(LANES):
+                k = natural(c.touching[wp.min(m + lane, last - 1)])
+                f, on_i, on_j, history, loss, depth = pair_contact(case, p, c, k, h, since)
+                forces[lane] = f
+                torques_i[lane] = on_i
+                torques_j[lane] = on_j
+                for channel in range(LOSSES):
+                    lost[channel, lane] = loss[channel]
+                depths[lane] = depth
+                if wp.static(effects.history):
+                    radii[lane] = history.radius
+                if wp.static(effects.friction):
+                    stretches[lane] = history.stretch
+                if wp.static(effects.rolling):
+                    rolls[lane] = history.roll
+            used = wp.min(LANES, last - m)
+            lane = wp.int32(0)
+            while lane < used:
+                history = History()
+                if wp.static(effects.history):
+                    history.radius = radii[lane]
+                if wp.static(effects.friction):
+                    history.stretch = stretches[lane]
+                if wp.static(effects.rolling):
+                    history.roll = rolls[lane]
+                k = natural(c.touching[m + lane])
+                add_pair(p, c, k, forces[lane], torques_i[lane], torques_j[lane], history)
+                for channel in range(LOSSES):
+                    losses[channel] += lost[channel, lane]
+                largest = at_least(largest, depths[lane])
+                lane += 1
+            m += LANES
         return losses, largest
 
     @wp.func

@@ -1,7 +1,9 @@
-"""Contact geometry of spheres: where two of them meet, and how their surfaces move.
+"""Contact geometry of spheres: where two of them meet, or one and a wall of the cavity, and how their surfaces move.
 
-This is all that ``pairs.py`` asks of a shape: whether two bodies touch, their ``Touch``, and the ``Motion`` of one
-surface past the other.
+This is all that ``pairs.py`` and ``cylinder.py`` ask of a shape: whether two bodies touch, their ``Touch``, and the
+``Motion`` of one surface past the other.
+
+The walls stand still (the frame is the enclosure's) and are rigid bodies of their own material: R* = R, m* = m.
 """
 
 import functools
@@ -10,7 +12,7 @@ from types import SimpleNamespace
 import warp as wp
 
 from .particles import particles
-from .structs import types
+from .structs import FLOOR, LID, SIDE, types
 
 
 @functools.cache
@@ -20,8 +22,9 @@ def spheres(effects):
     real, vec3 = t.real, t.vec3
     Case, Particle, Touch, Motion = t.Case, t.Particle, t.Touch, t.Motion
     properties = particles(effects)
-    radius_of, curvature = properties.radius_of, properties.curvature
+    radius_of, inverse_mass_of = properties.radius_of, properties.inverse_mass_of
     reduced_radius, reduced_mass, lever_arm = properties.reduced_radius, properties.reduced_mass, properties.lever_arm
+    curvature, wall_curvature = properties.curvature, properties.wall_curvature
 
     @wp.func
     def pair_touches(case: Case, p: wp.array(dtype=Particle), i: int, j: int, branch: vec3):
@@ -71,4 +74,69 @@ def spheres(effects):
                 motion.rolling = touch.radius * wp.cross(p[i].spin - p[j].spin, touch.normal)
         return motion
 
-    return SimpleNamespace(pair_touches=pair_touches, pair_touch=pair_touch, pair_motion=pair_motion)
+    @wp.func
+    def wall_touches(case: Case, p: wp.array(dtype=Particle), i: int, wall: int, x: vec3):
+        """Whether a particle with its centre at ``x`` overlaps a wall."""
+        radius = radius_of(case, p, i)
+        reach = case.radius - radius
+        touches = x[0] * x[0] + x[1] * x[1] > reach * reach
+        if wall == FLOOR:
+            touches = x[2] - radius < real(0.0)
+        if wall == LID:
+            touches = case.height - x[2] - radius < real(0.0)
+        return touches
+
+    @wp.func
+    def wall_touch(case: Case, p: wp.array(dtype=Particle), i: int, wall: int, x: vec3):
+        """Where a particle with its centre at ``x`` meets a wall."""
+        radius = radius_of(case, p, i)
+        rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
+        gap = case.radius - radius - rho
+        normal = vec3(-x[0] / rho, -x[1] / rho, real(0.0))
+        if wall == FLOOR:
+            gap = x[2] - radius
+            normal = vec3(real(0.0), real(0.0), real(1.0))
+        if wall == LID:
+            gap = case.height - x[2] - radius
+            normal = vec3(real(0.0), real(0.0), real(-1.0))
+        touch = Touch()
+        touch.distance = radius + gap
+        touch.normal = normal
+        touch.overlap = -gap
+        touch.arm_i = touch.distance
+        touch.radius = radius
+        touch.curvature = wall_curvature(case, p, i)
+        touch.mass = real(1.0) / inverse_mass_of(case, p, i)
+        return touch
+
+    @wp.func
+    def wall_motion(case: Case, p: wp.array(dtype=Particle), i: int, wall: int, touch: Touch, since: real):
+        """How i's surface moves past the wall; what the effects do not ask for stays zero."""
+        motion = Motion()
+        if wp.static(effects.dashpots):
+            motion.velocity = p[i].velocity
+            if wp.static(effects.rotation):
+                motion.velocity -= touch.arm_i * wp.cross(p[i].spin, touch.normal)
+        if wp.static(effects.friction):
+            passing = p[i].half_velocity
+            passing -= wp.dot(passing, touch.normal) * touch.normal
+            if wall == SIDE:  # its normal turns as the particle goes round
+                motion.tilted = -since / (case.radius - touch.arm_i) * vec3(passing[0], passing[1], real(0.0))
+            if wp.static(effects.rotation):
+                passing -= touch.arm_i * wp.cross(p[i].half_spin, touch.normal)
+                motion.turned = real(0.5) * since * wp.dot(p[i].half_spin, touch.normal)
+            motion.slid = since * passing
+        if wp.static(effects.rolling):
+            motion.rolled = since * touch.radius * wp.cross(p[i].half_spin, touch.normal)
+            if wp.static(effects.dashpots):
+                motion.rolling = touch.radius * wp.cross(p[i].spin, touch.normal)
+        return motion
+
+    return SimpleNamespace(
+        pair_touches=pair_touches,
+        pair_touch=pair_touch,
+        pair_motion=pair_motion,
+        wall_touches=wall_touches,
+        wall_touch=wall_touch,
+        wall_motion=wall_motion,
+    )

@@ -14,11 +14,14 @@ SIDE, FLOOR, LID = wp.constant(0), wp.constant(1), wp.constant(2)
 WALLS = wp.constant(3)
 """What wall w does to particle i is remembered in ``Contacts.wall[WALLS * i + w]``."""
 
-PER_PARTICLE = {"start": 1, "wall": WALLS}
+PER_PARTICLE = {"start": 1, "touching_walls": WALLS, "wall": WALLS}
 """Arrays of ``Contacts`` with so many elements for each particle."""
 
-PER_PAIR = ("partner", "pair")
+PER_PAIR = ("owner", "partner", "touching", "pair")
 """Those with one for each pair of the neighbour list."""
+
+SCRATCH = ("touching", "touching_walls")
+"""Those that mean nothing after a step."""
 
 
 @functools.cache
@@ -135,7 +138,10 @@ def structs(effects):
         """Neighbour list (pairs i < j sorted by i, then j), and what each contact remembers; in a mixture, the laws."""
 
         start: wp.array(dtype=wp.int32)  # pairs of i: start[i] .. start[i + 1] - 1
-        partner: wp.array(dtype=wp.int32)
+        owner: wp.array(dtype=wp.int32)  # i of every pair
+        partner: wp.array(dtype=wp.int32)  # and j
+        touching: wp.array(dtype=wp.int32)  # places of the pairs that touch, noted anew every step
+        touching_walls: wp.array(dtype=wp.int32)  # and of the walls
         if effects.history:
             pair: wp.array(dtype=History)
             wall: wp.array(dtype=History)  # at WALLS i + (SIDE, FLOOR or LID)

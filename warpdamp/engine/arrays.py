@@ -103,7 +103,9 @@ class Transfer:
         pairs = np.concatenate([p + first for (p, _), first in zip(numbered, self.first[:-1], strict=True)])
         start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(self)))])
         c = self.types.Contacts()
-        c.start, c.partner = self.array(start.astype(np.int32), wp.int32), self.array(pairs[:, 1], wp.int32)
+        c.start, c.owner, c.partner = (self.array(a, wp.int32) for a in (start, pairs[:, 0], pairs[:, 1]))
+        c.touching = wp.empty(len(pairs), dtype=wp.int32, device=self.device)
+        c.touching_walls = wp.empty(WALLS * len(self), dtype=wp.int32, device=self.device)
         known = self.types.Contacts.vars
         for name in known.keys() & laws.keys():
             setattr(c, name, wp.array(laws[name], dtype=self.types.Law, device=self.device))
@@ -119,11 +121,10 @@ class Transfer:
     def listed(self, k: int, contacts, part: int = 10_000) -> Iterator[np.ndarray]:
         """Pairs in the neighbour list of case ``k``, (m, 2), in its own numbers, of ``part`` particles at a time."""
         first, last, order = self.first[k], self.first[k + 1], self.order[k]
-        start, partner = contacts.start.numpy(), contacts.partner.numpy()
+        start, owner, partner = (array.numpy() for array in (contacts.start, contacts.owner, contacts.partner))
         for low in range(first, last, part):
-            high = min(low + part, last)
-            owner = np.repeat(np.arange(low, high), np.diff(start[low : high + 1]))
-            yield order[np.stack([owner, partner[start[low] : start[high]]], axis=1) - first]
+            listed = slice(start[low], start[min(low + part, last)])
+            yield order[np.stack([owner[listed], partner[listed]], axis=1) - first]
 
     def state(self, k: int, particles, contacts) -> State:
         """State of case ``k``; what no effect asks for stays as it was at the start."""
@@ -156,8 +157,8 @@ class Transfer:
         start = contacts.start.numpy()[first : last + 1]
         memory = contacts.pair.numpy()
         rows = start[0] + np.flatnonzero(memory["radius"][start[0] : start[-1]] > 0)
-        owner = np.searchsorted(start, rows, side="right") - 1
-        pairs = self.order[k][np.stack([owner, contacts.partner.numpy()[rows] - first], axis=1)]
+        numbers = np.stack([contacts.owner.numpy()[rows], contacts.partner.numpy()[rows]], axis=1)
+        pairs = self.order[k][numbers - first]
         history = _recalled(memory, rows).seen_from_the_other(pairs[:, 0] > pairs[:, 1])
         return {"pairs": np.sort(pairs, axis=1), "pair_history": history}
 

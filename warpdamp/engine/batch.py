@@ -10,8 +10,9 @@ import warp as wp
 
 from ..kernels.advance import stepper
 from ..kernels.columns import KernelStatus
+from ..kernels.lanes import lanes_for
 from ..kernels.neighbours import neighbour_search
-from ..kernels.structs import PER_PAIR, types
+from ..kernels.structs import PER_PAIR, SCRATCH, types
 from ..numerics.timestep import check_step
 from ..scene.contact import contact_constants
 from ..scene.effects import Effects, called_for, covering
@@ -104,7 +105,7 @@ class Batch:
         self.effects = effects or covering([called_for(case.scene, case.state) for case in self.cases])
         t = types(self.effects)
         self._types, self._device = t, device
-        self._advance, self._synchronise = stepper(self.effects)
+        self._advance, self._synchronise = stepper(self.effects, lanes_for(self.effects, device))
         self._count_pairs, self._list_pairs = neighbour_search(self.effects)
 
         self._transfer = Transfer(t, [case.state for case in self.cases], device)
@@ -288,7 +289,8 @@ class Batch:
             array.assign(checkpoint[name])
 
     def _changing(self) -> dict:
-        contacts = {name: getattr(self._contacts, name) for name in self._types.Contacts.vars if "laws" not in name}
+        constant = ("laws", "wall_laws", *SCRATCH)
+        contacts = {name: getattr(self._contacts, name) for name in self._types.Contacts.vars if name not in constant}
         mount = {name: getattr(self._mount, name) for name in ("modes", "records") if name in self._types.Mount.vars}
         return contacts | {
             **mount,

@@ -239,7 +239,7 @@ class Scene:
     def mass(self, radius, species=0) -> np.ndarray:
         """Of spheres of the given radii and species [kg]."""
         density = np.array([material.density for material in self.materials])[np.asarray(species)]
-        return density * 4 / 3 * math.pi * np.asarray(radius) ** 3
+        return density * sphere_volume(radius)
 
     def masses(self, grains) -> np.ndarray:
         """Of particles with ``radius`` and ``species``, as a State [kg]."""

@@ -1,0 +1,84 @@
+"""Contacts side by side: ``LANES`` of them in a loop that the compiler turns into vector instructions.
+
+The law is written once, for one contact.  ``pairs.py`` and ``cylinder.py`` go through the contacts of a step in three
+stages:
+
+1. search, without branches: note the places of the contacts that touch, or did so a step ago;
+2. compute, ``LANES`` at a time: a loop that calls the law and writes to local vectors and matrices only;
+3. add, in the order of the list: forces, histories and losses, so that the order of every sum follows from the state.
+
+The last few contacts are filled up to ``LANES`` with copies of the last one, which are computed and never added.  A
+loop over one lane is the scalar code.
+
+What the second stage calls keeps to the rules at the head of ``contact.py``; its results are kept in local vectors and
+matrices, for neither an array nor a vector inside a struct is one to the compiler.
+"""
+
+import functools
+from types import SimpleNamespace
+
+import warp as wp
+
+from .options import LANES
+from .structs import types
+
+
+def lanes_for(effects, device: str) -> int:
+    """How many contacts are computed side by side.
+
+    One where vectors do not pay: threads of other devices are lanes themselves, and three floats of single precision
+    are returned as one vector, which the compiler does not widen.
+    """
+    return LANES if effects.precision == "float64" and device == "cpu" else 1
+
+
+@wp.func
+def natural(i: int):
+    """An index that is not negative: spares the code that counts negative ones from the end."""
+    return i & 0x7FFFFFFF
+
+
+CONTIGUOUS = "__builtin_assume(a.strides[0] == sizeof(*a.data));"
+
+
+@wp.func_native(CONTIGUOUS)
+def contiguous(a: wp.array(dtype=wp.int32)):
+    """Promise that an array is contiguous: spares a multiplication at each index."""
+
+
+@functools.cache
+def lanes(effects, count: int):
+    """Return what ``count`` contacts side by side are kept in, for the given effects."""
+    t = types(effects)
+    channels = t.Losses._length_
+    return SimpleNamespace(
+        LANES=wp.constant(count),
+        LOSSES=wp.constant(channels),
+        Scalars=wp.types.vector(count, t.real),
+        Vectors=wp.types.matrix((count, 3), t.real),
+        Lost=wp.types.matrix((channels, count), wp.float64),
+    )
+
+
+@functools.cache
+def promises(effects):
+    """Return ``contiguous_contacts`` for the given effects."""
+    t = types(effects)
+    History, Contacts = t.History, t.Contacts
+
+    @wp.func_native(CONTIGUOUS)
+    def contiguous_histories(a: wp.array(dtype=History)): ...
+
+    @wp.func
+    def contiguous_contacts(c: Contacts):
+        """Promise that all arrays of the contacts are contiguous."""
+        contiguous(c.start)
+        contiguous(c.partner)
+        contiguous(c.owner)
+        contiguous(c.touching)
+        contiguous(c.touching_walls)
+        if wp.static(effects.history):
+            contiguous_histories(c.pair)
+            contiguous_histories(c.wall)
+
+    return contiguous_contacts
