@@ -14,7 +14,9 @@ import numpy as np
 from scipy.sparse import diags, eye, kron, vstack
 
 from ..scene.scene import Material
-from .fem import Solid, elastic_modes, extruded, graded, integrals, turned
+from .extrusion import Carried, converged, swept
+from .fem import Attached, Elastic, Solid, elastic_modes, extruded, graded, integrals, turned
+from .mesh_error import swept_error
 from .modes import Modes
 from .section import Section, moments
 
@@ -82,35 +84,86 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
     """
     axis = BENDS[beam.bends]
     section = beam.section.basis()
-    parts = 4 if beam.section.quarter else 1
     masses = (damper, *beam.masses)
-    solid, station = _supported(beam, section, masses)
-    mean_of, tilt_of = _read_outs(section, len(station), axis)
+    shared = 4 if beam.section.quarter else 1
     if beam.section.quarter:
-        solid = _bending_only(solid, axis)
-        mean_of = [mean if along == axis else 0 * mean for along, mean in enumerate(mean_of)]
+        station, read, squares, vectors, error = _of_a_quarter(beam, section, masses, highest)
+    else:
+        station, read, squares, vectors, error = _of_a_mesh(beam, section, masses, highest)
+    modes = Modes(
+        number=np.arange(1, highest + 1),
+        frequency=np.sqrt(squares) / (2 * np.pi),
+        point=np.stack([station, 0 * station, 0 * station], axis=1),
+        shape=np.stack([(mean @ vectors).T for mean in read[:3]], axis=2) / math.sqrt(shared),
+        inherent_damping=np.zeros(highest),
+        mesh_error=error,
+    )
+    return modes.at((damper.position, 0, 0), np.eye(3)[axis])
 
-    load, inertia = (of / parts for of in _at_stations(masses, station))
-    attached = sum(mean.T @ diags(load) @ mean for mean in mean_of) + tilt_of.T @ diags(inertia) @ tilt_of
 
-    share = np.diff(np.concatenate([[0.0], (station[1:] + station[:-1]) / 2, [beam.length]]))
-    of_line = beam.material.density * moments(section).area * share + load
-    in_bending = vstack([diags(np.sqrt(of_line)) @ mean_of[axis], diags(np.sqrt(inertia)) @ tilt_of])
+def _of_a_quarter(beam: Beam, section, masses, highest: int):
+    """Planes [m], what reads their motion, squares, vectors and no error of a beam that a quarter stands for."""
+    axis = BENDS[beam.bends]
+    solid, station = _supported(beam, section, masses)
+    solid = _bending_only(solid, axis)
+    carried = _carried(section, masses, station, axis, parts=4)
+    rows = [kron(np.eye(3)[along], kron(eye(len(station)), weights), format="csr") for along, weights, _ in carried]
+    rows = [0 * mean if along != axis else mean for along, mean in enumerate(rows[:3])] + rows[3:]
+    of_line = _line_mass(beam, section, station)
+    return station, rows, *_bending_modes(solid, rows, carried, of_line, axis, highest, 1), None
+
+
+def _of_a_mesh(beam: Beam, section, masses, highest: int):
+    """The same of a beam whose section is a mesh, as fine as it may be, and what error the mesh makes."""
+    axis = BENDS[beam.bends]
+    ends = tuple(HELD.get(support, ()) for support in beam.supports)
+    stations = _stations(beam, section, masses)
+    extrusion = swept(section, stations, beam.material, ends)
+    station = extrusion.station
+    carried = _carried(section, masses, station, axis, parts=1)
+    of_line = _line_mass(beam, section, station)
+
+    def rows(reduced):
+        return [reduced.rows(along, weights) for along, weights, _ in carried]
+
+    def modes(reduced):
+        return _bending_modes(reduced, rows(reduced), carried, of_line, axis, highest, 3)
+
+    found = converged(extrusion, carried, modes)
+    displacement = found.reduced.displacement(found.vectors)
+    error = swept_error(section, stations, beam.material, found.squares, displacement) + found.rest / 2
+    return station, rows(found.reduced), found.squares, found.vectors, error
+
+
+def _bending_modes(solid: Elastic, rows, carried, of_line, axis: int, highest: int, families: int):
+    """Squares and vectors of the bending modes of a beam.
+
+    Parameters
+    ----------
+    solid : Elastic
+    rows : matrices that read the mean displacement of every plane along x, y and z, and its rotation when bending
+    carried : of Carried, the masses that follow them
+    of_line : (p,) the beam's own mass at every plane [kg]
+    axis : along which it bends
+    highest : number of the highest mode
+    families : of modes that lie between, those of bending included
+    """
+    attached = Attached(vstack(rows, format="csr"), np.concatenate([mass for _, _, mass in carried]))
+    *_, load, inertia = (mass for _, _, mass in carried)
+    in_bending = vstack([diags(np.sqrt(of_line + load)) @ rows[axis], diags(np.sqrt(inertia)) @ rows[3]])
 
     def select(squares, vectors):
         squares, vectors, seen = turned(squares, vectors, in_bending @ vectors)
         found = np.flatnonzero(np.sum(seen**2, axis=0) > 0.5)[:highest]
         return (squares[found], vectors[:, found]) if len(found) == highest else None
 
-    squares, vectors = elastic_modes(solid, attached, select, count=(1 if parts == 4 else 3) * highest + 4)
-    modes = Modes(
-        number=np.arange(1, highest + 1),
-        frequency=np.sqrt(squares) / (2 * np.pi),
-        point=np.stack([station, 0 * station, 0 * station], axis=1),
-        shape=np.stack([(mean @ vectors).T for mean in mean_of], axis=2) / math.sqrt(parts),
-        inherent_damping=np.zeros(highest),
-    )
-    return modes.at((damper.position, 0, 0), np.eye(3)[axis])
+    return elastic_modes(solid, attached, select, count=families * highest + 4)
+
+
+def _line_mass(beam: Beam, section, station) -> np.ndarray:
+    """(p,) the mass of the beam that belongs to every plane [kg]."""
+    share = np.diff(np.concatenate([[0.0], (station[1:] + station[:-1]) / 2, [beam.length]]))
+    return beam.material.density * moments(section).area * share
 
 
 def _at_stations(masses, station) -> tuple[np.ndarray, np.ndarray]:
@@ -134,14 +187,19 @@ def _bending_only(solid: Solid, axis: int) -> Solid:
     return solid.hold(np.abs(solid.place[axis]) < near, (0, side))
 
 
-def _supported(beam: Beam, section, masses) -> tuple[Solid, np.ndarray]:
-    """The beam on its supports, and the positions of its planes of nodes [m]."""
+def _stations(beam: Beam, section, masses) -> np.ndarray:
+    """Ends of the elements along the beam [m]."""
     thickness = moments(section).equivalent_thickness
     coarsest = np.clip(COARSEST * thickness, beam.length / 100, beam.length / 20)
     points = sorted({0.0, *(mass.position for mass in masses), beam.length})
     if points[0] < 0 or points[-1] > beam.length:
         raise ValueError(f"a mass lies beyond the ends of the beam, 0 and {beam.length:g} m")
-    solid = extruded(section, graded(points, FINEST * thickness, coarsest), beam.material, along=0)
+    return graded(points, FINEST * thickness, coarsest)
+
+
+def _supported(beam: Beam, section, masses) -> tuple[Solid, np.ndarray]:
+    """The beam on its supports, and the positions of its planes of nodes [m]."""
+    solid = extruded(section, _stations(beam, section, masses), beam.material, along=0)
     x = solid.place[0]
     for end, support in zip((0.0, beam.length), beam.supports, strict=True):
         if support != "free":
@@ -149,14 +207,14 @@ def _supported(beam: Beam, section, masses) -> tuple[Solid, np.ndarray]:
     return solid, x[:: section.N]
 
 
-def _read_outs(section, planes: int, axis: int):
-    """Matrices that read every plane's mean displacement along x, y and z, and its mean rotation when bending."""
+def _carried(section, masses, station, axis: int, *, parts: int) -> list[Carried]:
+    """The masses that every plane's mean displacement along x, y and z carries, and the inertias of its rotation.
+
+    A section of a quarter carries a quarter.
+    """
     of = moments(section)
     arm, second = (0, of.across) if axis == BENDS["width"] else (1, of.through)
     mean = integrals(section, lambda place: 1.0) / of.area
     tilt = integrals(section, lambda place: place[arm]) / second
-
-    def rows(weights, along):
-        return kron(np.eye(3)[along], kron(eye(planes), weights), format="csr")
-
-    return [rows(mean, along) for along in range(3)], rows(tilt, 0)
+    load, inertia = (mass / parts for mass in _at_stations(masses, station))
+    return [*(Carried(along, mean, load) for along in range(3)), Carried(0, tilt, inertia)]

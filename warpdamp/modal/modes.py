@@ -27,6 +27,8 @@ class Modes:
     damper : row of ``point`` where the damper sits
     direction : (3,) unit vector, that of the excitation
     label : (p,) array, names of the points where they have any, as node numbers of a file
+    mesh_error : (m,) array [-]
+        Parts by which a mesh lifts the frequencies, about; None where no mesh of the user's stands behind them.
     """
 
     number: np.ndarray
@@ -37,6 +39,7 @@ class Modes:
     damper: int = 0
     direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
     label: np.ndarray | None = None
+    mesh_error: np.ndarray | None = None
 
     @property
     def amplitude(self) -> np.ndarray:
@@ -76,6 +79,7 @@ class Modes:
             frequency=self.frequency[rows],
             shape=self.shape[rows],
             inherent_damping=self.inherent_damping[rows],
+            mesh_error=None if self.mesh_error is None else self.mesh_error[rows],
         )
 
     def at(self, position, direction=None) -> Modes:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from scipy.sparse import csr_matrix, eye, kron
+from scipy.sparse import csr_matrix, eye, kron, vstack
 from scipy.sparse.csgraph import connected_components
 
 from ..scene.scene import Material
-from .fem import Solid, elastic_modes, extruded, graded, integrals, meshed, turned
+from .fem import Attached, Solid, elastic_modes, extruded, graded, integrals, meshed, turned, without_loose_nodes
+from .mesh_error import solid_error
 from .mesh_file import load_mesh
 from .modes import Modes
 
@@ -213,20 +216,35 @@ def solid_modes(solid: MeshedSolid, damper: StandingMass, masses=(), *, highest:
     """
     from skfem import BoundaryFacetBasis
 
-    basis, element = _quadratic(solid)
+    file = Path(solid.file)
+    basis, body = _body(solid, file.stat().st_mtime_ns if file.is_file() else None)
+    surface = BoundaryFacetBasis(basis.mesh, basis.elem, intorder=PATCH_ORDER)
+    standing = (damper, *masses)
+    patches = [_on_surface(surface, mass) for mass in standing]
+
+    def error(squares, vectors):
+        return solid_error(basis, solid.material, squares, vectors)
+
+    return _modes(body, standing, patches, basis.nodal_dofs[0], solid.direction, highest, error)
+
+
+@lru_cache(maxsize=1)
+def _body(solid: MeshedSolid, changed: int | None):
+    """A solid's basis, and the solid held, with its factors: the same for the empty damper and for the filled one.
+
+    ``changed`` is when its file was [ns].
+    """
+    basis = _quadratic(solid)
     body = meshed(basis, solid.material)
     for clamp in solid.clamps:
         body = body.hold(clamp.nodes(basis))
-    surface = BoundaryFacetBasis(basis.mesh, element, intorder=PATCH_ORDER)
-    standing = (damper, *masses)
-    patches = [_on_surface(surface, mass) for mass in standing]
-    return _modes(body, standing, patches, basis.nodal_dofs[0], solid.direction, highest)
+    return basis, body
 
 
 def _quadratic(solid: MeshedSolid):
     from skfem import Basis, ElementHex2, ElementTetP2, MeshHex1, MeshTet1
 
-    mesh = load_mesh(solid.file, solid.unit)
+    mesh = without_loose_nodes(load_mesh(solid.file, solid.unit))
     if isinstance(mesh, MeshTet1):
         element = ElementTetP2()
     elif isinstance(mesh, MeshHex1):
@@ -237,15 +255,16 @@ def _quadratic(solid: MeshedSolid):
     parts, _ = connected_components(basis.mesh.p2t @ basis.mesh.p2t.T)
     if parts > 1:
         raise ValueError(f"{solid.file} falls into {parts} parts that share no nodes: merge the nodes where they touch")
-    return basis, element
+    return basis
 
 
-def _modes(solid: Solid, standing, patches, nodes, direction, highest: int) -> Modes:
-    """Modes of a solid with masses on patches, at the damper (the first of them) and at ``nodes``."""
-    attached = 0.0 * solid.mass
+def _modes(solid: Solid, standing, patches, nodes, direction, highest: int, error: Callable | None = None) -> Modes:
+    """Modes of a solid with masses on patches, at the damper (the first of them) and at ``nodes``.
+
+    ``error(squares, vectors)`` is what their mesh makes.
+    """
     rows = [kron(eye(3), patch[None], format="csr") for patch in patches]
-    for mass, row in zip(standing, rows, strict=True):
-        attached = attached + mass.mass * row.T @ row
+    attached = Attached(vstack(rows, format="csr"), np.repeat([mass.mass for mass in standing], 3))
     at_damper = csr_matrix([direction]) @ rows[0]
 
     def select(squares, vectors):
@@ -262,5 +281,6 @@ def _modes(solid: Solid, standing, patches, nodes, direction, highest: int) -> M
         point=point.T,
         shape=np.concatenate([(rows[0] @ vectors)[:, None], of_nodes], axis=1).transpose(2, 1, 0),
         inherent_damping=np.zeros(highest),
+        mesh_error=error and error(squares, vectors),
     )
     return modes.seen_from(0, direction)

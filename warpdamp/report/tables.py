@@ -22,13 +22,20 @@ if TYPE_CHECKING:
 
 
 def modes_table(modes) -> Table:
-    """Number, frequency, shape at the damper, modal mass and, where there is any, inherent damping of each mode."""
+    """Number, frequency, shape at the damper, modal mass and, where there is any, inherent damping of each mode.
+
+    Of a user's mesh also the part by which it lifts the frequency, about.
+    """
     damped = int(np.any(modes.inherent_damping > 0))
-    table = _table("mode", "f [Hz]", "phi [kg^-½]", "modal mass [kg]", *["inherent damping"] * damped)
-    for number, frequency, amplitude, mass, damping in zip(
-        modes.number, modes.frequency, modes.amplitude, modes.modal_mass, modes.inherent_damping, strict=True
+    meshed = int(modes.mesh_error is not None)
+    table = _table(
+        "mode", "f [Hz]", "phi [kg^-½]", "modal mass [kg]", *["inherent damping"] * damped, *["f high by"] * meshed
+    )
+    error = modes.mesh_error if meshed else 0 * modes.frequency
+    for number, frequency, amplitude, mass, damping, high in zip(
+        modes.number, modes.frequency, modes.amplitude, modes.modal_mass, modes.inherent_damping, error, strict=True
     ):
-        own = [f"{100 * damping:.3g} %"] * damped
+        own = [f"{100 * damping:.3g} %"] * damped + [f"{100 * high:.2g} %"] * meshed
         table.add_row(f"{number}", f"{frequency:.2f}", f"{amplitude:.4f}", f"{mass:.4f}", *own)
     return table
 
