@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from dataclasses import replace
@@ -11,6 +12,7 @@ import numpy as np
 from ..engine.batch import Batch, Case
 from ..engine.checks import DEEPEST, LARGEST_RESIDUAL
 from ..engine.ledger import Ledger, apparent_mass, harmonic_work, maximum_energy
+from ..errors import PackingError
 from ..kernels.columns import KernelStatus
 from ..numerics.steady import Steady, steady
 from ..numerics.tolerance import RESIDUAL_FACTOR, SMALLEST_EFFECTIVENESS, bed_memory, single_interval
@@ -20,7 +22,7 @@ from ..scene.scene import Drive, Scene
 from ..status import Status
 from .case import Criteria, Spec
 from .placement import fill
-from .preparation import prepare
+from .preparation import measured_clearance, packing_fraction, prepare
 
 FIRST_LOOKS, LOOKS = 10, 1.25
 """A series is looked at every ten cycles at first, and later whenever it has grown by a quarter."""
@@ -29,6 +31,8 @@ BALANCE = 0.01
 """In steady state the work put in, the work of the reaction's first harmonic and the dissipation agree to this part of
 the dissipation.  A bed that sinks or swells while its dissipation looks steady is not steady: at 730 Hz beds
 sink for hundreds of cycles."""
+
+_log = logging.getLogger(__name__)
 
 
 def shake(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int, ...], dict]]:
@@ -41,16 +45,39 @@ def shake(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int,
     """
     beds = [prepare(chain[0].bed) for chain in chains]
     states = [bed.state for bed in beds]
+    before = [bed.clearance for bed in beds]
     results = []
     for stage in zip(*chains, strict=True):
-        carried_on = stage[0] is not chains[0][-1]
-        values, states = _shake_stage(stage, states, criteria, read=carried_on)
-        for spec, bed, value in zip(stage, beds, values, strict=True):
-            results.append((spec.index, value | {"clearance": bed.clearance, "compaction_blocks": bed.blocks}))
+        values, states = _shake_stage(stage, states, criteria)
+        after = [_clearance_after(spec, state) for spec, state in zip(stage, states, strict=True)]
+        for k, (spec, value) in enumerate(zip(stage, values, strict=True)):
+            value |= _compaction(spec, before[k], after[k] if "energy_dissipated" in value else math.nan)
+            results.append((spec.index, value | {"compaction_blocks": beds[k].blocks}))
+        before = after
     return results
 
 
-def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
+def _clearance_after(spec: Spec, state: State) -> float:
+    """Clearance that a case leaves [m]; not a number, with a warning, if the bed does not come to rest."""
+    try:
+        return measured_clearance(spec.bed.scene, state, spec.bed.numerics)
+    except PackingError as error:
+        _log.warning("the clearance after case %s is not known: %s", spec.index, error)
+        return math.nan
+
+
+def _compaction(spec: Spec, before: float, after: float) -> dict:
+    """How compact the bed of a case is before and after it."""
+    cavity, radius = spec.bed.scene.enclosure, spec.bed.grains.radius
+    return {
+        "clearance": before,
+        "clearance_after": after,
+        "packing_fraction": packing_fraction(radius, cavity, before),
+        "packing_fraction_after": packing_fraction(radius, cavity, after),
+    }
+
+
+def _shake_stage(stage, states: list[State], criteria: Criteria):
     cases = [Case(spec.scene, state, spec.dt) for spec, state in zip(stage, states, strict=True)]
     batch = Batch(cases, max_rows=criteria.most + 1, effects=stage[0].effects)
     per_cycle = np.array([spec.steps_per_cycle for spec in stage])
@@ -74,9 +101,8 @@ def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
 
     for k, value in enumerate(averages):
         value["cpu_time"] = float(cpu[k])
-    if read:  # a case that failed leaves the next amplitude the bed that it started from itself
-        good = batch.status == KernelStatus.OK
-        states = [now if ok else before for (now, _), ok, before in zip(batch.read(), good, states, strict=True)]
+    good = batch.status == KernelStatus.OK  # a case that failed leaves the bed that it started from
+    states = [now if ok else before for (now, _), ok, before in zip(batch.read(), good, states, strict=True)]
     return averages, states
 
 

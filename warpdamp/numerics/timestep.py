@@ -49,10 +49,28 @@ class Numerics:
         return called_for(scene, grains, precision=self.precision).forced(dict(self.forced))
 
 
+def largest_overlap(modulus: float, radius: float, mass: float, speed: float) -> float:
+    """Overlap [m] of an elastic Hertz impact: d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)."""
+    return (15 * mass * speed**2 / (16 * modulus * math.sqrt(radius))) ** 0.4
+
+
+def impact_overlap(scene: Scene, speed: float) -> float:
+    """Largest overlap of two equal spheres of any materials that meet at ``speed`` [m/s], over their reduced radius.
+
+    It does not depend on their size.
+    """
+    overlaps = []
+    for i, one in enumerate(scene.materials):
+        for j, other in enumerate(scene.materials):
+            modulus = contact_constants(one, other, scene.pair_surface(i, j))["modulus"]
+            a, b = float(scene.mass(2.0, i)), float(scene.mass(2.0, j))  # reduced radius 1
+            overlaps.append(largest_overlap(modulus, 1.0, a * b / (a + b), speed))
+    return max(overlaps)
+
+
 def contact_time(modulus: float, radius: float, mass: float, speed: float) -> float:
-    """Duration [s] of an elastic Hertz impact: tc = 2.943 d_max / v, d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)."""
-    overlap = (15 * mass * speed**2 / (16 * modulus * math.sqrt(radius))) ** 0.4
-    return HERTZ_DURATION * overlap / speed
+    """Duration [s] of an elastic Hertz impact: tc = 2.943 d_max / v."""
+    return HERTZ_DURATION * largest_overlap(modulus, radius, mass, speed) / speed
 
 
 def expected_speed(scene: Scene, radius) -> float:

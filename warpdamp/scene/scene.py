@@ -229,6 +229,18 @@ class Scene:
         """The same scene fixed to a structure."""
         return replace(self, drive=None, mount=mount)
 
+    def softened(self, factor: float) -> Scene:
+        """The same scene with every Young's modulus multiplied by ``factor``."""
+        if factor == 1:
+            return self
+
+        def soft(material: Material) -> Material:
+            return replace(material, youngs_modulus=factor * material.youngs_modulus)
+
+        one = isinstance(self.particle, Material)
+        particle = soft(self.particle) if one else tuple(soft(material) for material in self.particle)
+        return replace(self, particle=particle, wall=soft(self.wall))
+
     @property
     def excitation_frequency(self) -> float | None:
         """Of the drive, or of the harmonic force on the structure [Hz]; None where nothing is periodic."""

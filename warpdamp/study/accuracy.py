@@ -22,7 +22,7 @@ from ..engine.batch import SKIN, Batch, Case
 from ..engine.ledger import maximum_energy
 from ..numerics.timestep import steps_per_cycle
 from ..scene.particles import State
-from ..scene.scene import STANDARD_GRAVITY, Material, Scene
+from ..scene.scene import STANDARD_GRAVITY
 from ..sweep.cases import Cases
 
 if TYPE_CHECKING:
@@ -70,23 +70,10 @@ class Variation:
         """The case that it makes of a case."""
         settings = self.settings
         numerics = replace(spec.bed.numerics, precision=settings["precision"])
-        scene = softened(spec.scene, settings["stiffness"])
+        scene = spec.scene.softened(settings["stiffness"])
         steps = steps_per_cycle(scene, spec.bed.grains, steps_per_contact=settings["steps_per_contact"])
         bed = replace(spec.bed, preparation=settings["preparation"])
         return replace(spec, scene=scene, steps_per_cycle=steps, bed=replace(bed, numerics=numerics))
-
-
-def softened(scene: Scene, factor: float) -> Scene:
-    """The same with every Young's modulus multiplied by ``factor``."""
-    if factor == 1:
-        return scene
-
-    def soft(material: Material) -> Material:
-        return replace(material, youngs_modulus=factor * material.youngs_modulus)
-
-    particle = scene.particle
-    softer = soft(particle) if isinstance(particle, Material) else tuple(soft(material) for material in particle)
-    return replace(scene, particle=softer, wall=soft(scene.wall))
 
 
 def variations() -> list[Variation]:
