@@ -130,8 +130,45 @@ def test_a_table(study, tmp_path):
     config = load(study("  csv: points.csv\n", BASE.replace("[40 Hz, 80 Hz]", "40 Hz")))
     assert rows(config)["case"] == ((0.1, 50.0, 3), (0.2, pytest.approx(60.0), 4))
     (tmp_path / "points.csv").unlink()
-    with pytest.raises(ConfigError, match=r"study.yaml:\d+:\d+: sweep.csv: .*points.csv cannot be read: No such file"):
+    with pytest.raises(ConfigError, match=r"study.yaml:\d+:\d+: sweep.csv: there is no file .*points.csv"):
         settled(config)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_tables_as_spreadsheets_write_them(study, tmp_path, encoding, mark):
+    """Decimal commas, units in the heads, and a comment that is ASCII in no encoding."""
+    rows_ = ["# Reibung µ, §", f"contact.friction [%]{mark}height [mm]", f"10,5{mark}20,5", f"20{mark}21"]
+    (tmp_path / "points.csv").write_bytes("\r\n".join(rows_).encode(encoding))
+    config = load(study("  csv: points.csv\n"))
+    assert rows(config)["case"] == ((pytest.approx(0.105), pytest.approx(0.0205)), (0.2, pytest.approx(0.021)))
+
+
+def test_a_column_of_quantities_has_no_blanks_for_separators(study, tmp_path):
+    (tmp_path / "points.csv").write_text("height\n20 mm\n21 mm\n22 mm\n")
+    assert rows(load(study("  csv: points.csv\n")))["case"] == ((0.02,), (0.021,), (0.022,))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("contact.frction\n0.1\n", r"points.csv:1: column 'contact.frction': is no scalar.*did you mean 'contact.friction'"),
+        ("friction,contact.friction\n0.1,0.2\n", r"points.csv:1: column 'contact.friction': is given in sweep.csv, too"),
+        ("friction,height\n0.1\n", r"points.csv:2: 1 values for 2 columns"),
+        ("friction\n-1\n", r"points.csv:2: .*greater than or equal to 0"),
+        ("friction;height\n0,1;20 mm\n0.2;20 mm\n", r"points.csv:3: has decimal points and decimal commas"),
+        ("height [kg]\n20\n", r"points.csv:2: .*wrong unit"),
+        ("height [mm]\n20 mm\n", r"points.csv:2: .*20 mm"),
+        ("friction\n", "needs a line of paths"),
+        ("friction\nnan\n", r"points.csv:2: .*nan"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_a_table_names_its_line(study, tmp_path, text, message):
+    (tmp_path / "points.csv").write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load(study("  csv: points.csv\n"))
+    assert re.search(r"study.yaml:\d+:\d+: sweep.csv: .*" + message, str(caught.value)), str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_exclusions_and_combinations_that_cannot_be(study):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 from contextlib import contextmanager
@@ -233,3 +234,15 @@ def schema() -> None:
 
 
 app.registered_commands += cli_structure.app.registered_commands
+
+
+def main() -> None:
+    """Run the command line; end quietly when nobody reads its output on, as behind ``| head``."""
+    try:
+        try:
+            app(prog_name="warpdamp")
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left in the buffer goes there at exit
+        sys.exit(1)

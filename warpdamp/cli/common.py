@@ -22,6 +22,8 @@ def one_line_errors():
 
     try:
         yield
+    except BrokenPipeError:  # nobody reads on, as behind `| head`: nothing to say
+        raise
     except (WarpdampError, OSError) as error:
         print(error if isinstance(error, ConfigError) else f"warpdamp: {error}", file=sys.stderr)
         raise typer.Exit(2) from None

@@ -13,6 +13,9 @@ from .common import ConfigArgument, one_line_errors, progress, save_as_asked, wr
 if TYPE_CHECKING:
     from ..modal.modes import Modes
 
+MOST_REFUSED = 12
+"""Fits that a command says why it left out."""
+
 app = typer.Typer()
 
 
@@ -138,12 +141,27 @@ def frf(
 
 @app.command()
 def fit(
-    file: Annotated[Path, typer.Argument(help="FRF: .nc of `warpdamp frf`, .csv, .uff.", metavar="FRF")],
+    file: Annotated[
+        Path, typer.Argument(help="FRF: .nc of `warpdamp frf`, table (.csv, .txt), universal file.", metavar="FRF")
+    ],
     near: Annotated[
         list[float] | None,
         typer.Option(help="Frequency near a mode's peak [Hz]; may be repeated (default: every peak)."),
     ] = None,
+    damping: Annotated[str, typer.Option(help="Of the modes that are fitted: structural or viscous.")] = "structural",
     at: Annotated[list[str] | None, typer.Option(help="Which of several FRFs, as level=2.")] = None,
+    response: Annotated[
+        str | None, typer.Option(help="Node and direction of the response, in a universal file of several, as 2z.")
+    ] = None,
+    reference: Annotated[str | None, typer.Option(help="Node and direction of the force, as 1z.")] = None,
+    number: Annotated[int | None, typer.Option(help="Place of the function in the universal file, from 1.")] = None,
+    every: Annotated[bool, typer.Option("--all", help="Every FRF of the universal file.")] = False,
+    ordinate: Annotated[
+        str | None, typer.Option(help="accelerance, mobility or receptance, where the file does not say.")
+    ] = None,
+    units: Annotated[
+        str | None, typer.Option(help="Of response over force, as 'g/lbf', where the file does not say.")
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help=".nc for the data, .png for a picture over Gamma.")
     ] = None,
@@ -153,16 +171,23 @@ def fit(
 
     with one_line_errors():
         from ..modal.frf import chosen
-        from ..modal.identify import fits, read_frf
+        from ..modal.frf_file import read_frf
+        from ..modal.identify import fits
         from ..report.frf import fitted_curves
         from ..report.tables import fits_table
 
-        found = fits(chosen(read_frf(file), at or []), near)
+        choice = {"response": response, "reference": reference, "number": number, "every": every}
+        frf = chosen(read_frf(file, **choice, ordinate=ordinate, units=units), at or [])
+        found = fits(frf, near, damping=damping)
         if output:
             if output.suffix != ".nc" and "gamma" not in found.dims:
-                raise UsageError(f"{output}: one FRF has nothing to draw over Gamma: name a file that ends in .nc")
+                raise UsageError(f"{output}: there is nothing to draw over Gamma: name a file that ends in .nc")
             save_as_asked(found, fitted_curves, output)
     console = Console()
+    if "read_as" in found.attrs:
+        console.print(f"{file}: {found.attrs['read_as']}", highlight=False, markup=False)
     console.print(fits_table(found))
-    for line in found.attrs["refused"]:
-        console.print(line, highlight=False)
+    for line in found.attrs["refused"][:MOST_REFUSED]:
+        console.print(f"not fitted: {line}", highlight=False, markup=False)
+    if (more := len(found.attrs["refused"]) - MOST_REFUSED) > 0:
+        console.print(f"and {more} others", highlight=False)

@@ -9,18 +9,44 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, WithJsonSchema
 
-_QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
-_POWER = re.compile(r"(?<=[A-Za-z])(-?\d)")  # m3, m-3
+_GROUPED = r"[1-9]\d{0,2}(?P<mark>[\s'\u2019])\d{3}(?:(?P=mark)\d{3})*(?!\d)(?:\.\d+)?"
+_PLAIN = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_FRACTION = r"(?:(?P<whole>\d{1,9})\s+)?(?P<over>[1-9]\d{0,8})\s*/\s*(?P<under>\d{1,9})(?![\d.])"
+_QUANTITY = re.compile(rf"\s*(?P<sign>[-+]?)(?:{_FRACTION}|(?P<decimal>{_GROUPED}|{_PLAIN}))\s*(?P<unit>.*?)\s*")
+_EXPONENT = re.compile(r"(?:(?:\^|\*\*)\s*\(?|(?<=[^\W\d_]))[-+]?\d(?!\d)")  # ^3, **-3, m3, m-3
+_POWER = re.compile(r"(?<=[^\W\d_])([-+]?\d)")  # m3, m-3
 _TURNS = ("rad", "turn", "rev", "rpm", "deg", "cycle")
+_COMMON = (
+    "m",
+    "mm",
+    "cm",
+    "um",
+    "kg",
+    "g",
+    "s",
+    "ms",
+    "us",
+    "Hz",
+    "kHz",
+    "Pa",
+    "kPa",
+    "MPa",
+    "GPa",
+    "N",
+    "mN",
+    "kN",
+    "in",
+)
 
 
 @functools.cache
-def _registry():
+def registry():
+    """The units of pint, and per cent."""
     import pint
 
-    registry = pint.UnitRegistry(cache_folder=None)
-    registry.define("percent = 0.01 = %")
-    return registry
+    units = pint.UnitRegistry(cache_folder=None)
+    units.define("percent = 0.01 = %")
+    return units
 
 
 def to_si(value: Any, unit: str) -> float:
@@ -34,9 +60,12 @@ def to_si(value: Any, unit: str) -> float:
     wanted = f"a quantity in {unit}" if unit else "a plain number or a percentage"
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError(f"expected {wanted}, got {value!r}")
-    number = _parsed(value, unit, wanted) if isinstance(value, str) else float(value)
+    try:
+        number = _parsed(value, unit, wanted) if isinstance(value, str) else float(value)
+    except OverflowError:
+        number = math.inf
     if not math.isfinite(number):
-        raise ValueError(f"expected {wanted}, got {value!r}, which is not finite")
+        raise ValueError(f"expected {wanted}, got {_short(value)}, which is not finite")
     return number
 
 
@@ -45,21 +74,58 @@ def _parsed(text: str, unit: str, wanted: str) -> float:
 
     if "," in text:
         raise ValueError(f"cannot read '{text}': write a decimal point, not a comma")
-    parts = _QUANTITY.match(text)
+    parts = _QUANTITY.fullmatch(text)
     if parts is None:
         raise ValueError(f"cannot read '{text}': expected {wanted}, such as '{_example(unit)}'")
-    number, given = float(parts[1]), _POWER.sub(r"**\1", parts[2])
+    number, given = _number(parts, text), parts["unit"]
     if not given:
         return number
     if any(turn in given.lower() for turn in _TURNS):
         raise ValueError(f"'{text}' counts angles: expected {wanted}, such as '{_example(unit)}'")
-    registry = _registry()
+    rest = _EXPONENT.sub("", re.sub(r"^1\s*/", "/", given))
+    if any(c.isdecimal() or c in "+-" for c in rest):
+        raise ValueError(f"cannot read '{text}': expected one number and its unit, such as '{_example(unit)}'")
     try:
-        return float(registry.Quantity(f"{number!r} {given}").to(registry.Unit(unit or "dimensionless")).magnitude)
+        return _converted(number, given, unit)
     except pint.DimensionalityError as error:
-        raise ValueError(f"'{text}' has the wrong unit: expected {wanted}") from error
+        raise ValueError(f"'{text}' has the wrong unit: expected {wanted}{_respelt(given, unit)}") from error
     except Exception as error:  # pint lets its tokenizer's errors through under many names
-        raise ValueError(f"cannot read '{text}': expected {wanted}, such as '{_example(unit)}'") from error
+        remedy = _respelt(given, unit).removeprefix("; ") or f"expected {wanted}, such as '{_example(unit)}'"
+        raise ValueError(f"cannot read '{text}': {remedy}") from error
+
+
+def _converted(number: float, given: str, unit: str) -> float:
+    units = registry()
+    powers = _POWER.sub(r"**\1", given)
+    return float(units.Quantity(f"{number!r} {powers}").to(units.Unit(unit or "dimensionless")).magnitude)
+
+
+def _number(parts: re.Match, text: str) -> float:
+    """The number of a quantity: a decimal, its thousands apart or not, or a fraction, 1/4 or 1 1/4."""
+    if parts["decimal"]:
+        size = float(re.sub(r"[\s'\u2019]", "", parts["decimal"]))
+    else:
+        whole, over, under = (int(parts[name] or 0) for name in ("whole", "over", "under"))
+        if under == 0 or (parts["whole"] and over >= under):
+            raise ValueError(f"cannot read '{text}': {over}/{under} is no proper fraction: write a decimal number")
+        size = whole + over / under
+    return -size if parts["sign"] == "-" else size
+
+
+def _respelt(given: str, unit: str) -> str:
+    """A question about a unit that is one but for capital letters, as hz."""
+    known = {name.lower(): name for name in _COMMON}
+    spelt = re.sub(r"[^\W\d_]+", lambda word: known.get(word[0].lower(), word[0]), given)
+    try:
+        _converted(1.0, spelt, unit)
+    except Exception:  # whatever pint raises: there is nothing to propose
+        return ""
+    return f"; did you mean {spelt}?"
+
+
+def _short(value) -> str:
+    text = repr(value) if isinstance(value, str | float) else "a whole number"
+    return text if len(text) < 60 else f"{text[:57]}..."
 
 
 def _example(unit: str) -> str:

@@ -14,7 +14,7 @@ Support = Literal["clamped", "pinned", "free"]
 Direction = Literal["x", "y", "z"] | Annotated[list[Number], Field(min_length=3, max_length=3)]
 MeshUnit = Annotated[Length, POSITIVE]
 ModeNumber = Annotated[StrictInt, Field(ge=1)]
-Damping = Annotated[Number, NOT_NEGATIVE]
+Damping = Annotated[Number, Field(ge=0, lt=1)]
 
 
 class SectionConfig(Model):
@@ -105,7 +105,7 @@ class ModeFileConfig(Model):
     position: Annotated[list[Length], Field(min_length=3, max_length=3)] | None = None
     direction: Direction = "z"
     modal_mass: Annotated[Mass, POSITIVE] | list[Annotated[Mass, POSITIVE]] | None = None
-    units: Literal["SI", "BG", "MG", "BA", "MM", "CM", "IN", "GM"] | None = None
+    units: Literal["SI", "BG", "MG", "BA", "MM", "CM", "IN", "GM", "MM-N"] | None = None
 
     @model_validator(mode="after")
     def _one_place(self):

@@ -133,7 +133,8 @@ def accelerance(
     Raises
     ------
     ModalError
-        If the results have no modes or swept scalars left, or if a Gamma is outside their range.
+        If the results have no modes or swept scalars left, if a Gamma is outside their range, or if a frequency is not
+        above 0.
     """
     import xarray as xr
 
@@ -143,8 +144,10 @@ def accelerance(
         raise ModalError(f"gamma: the results reach from {mass.gamma[0]:g} to {mass.gamma[-1]:g}, {gamma} does not fit")
     resonance = np.array([own.resonances(mass, g) for g in gamma])  # (gamma, 2, mode)
     if frequency is None:
-        frequency = _grid(resonance, band or _band(own))
+        frequency = _grid(resonance, _band(own, band))
     frequency = np.asarray(frequency, float)
+    if not (np.isfinite(frequency) & (frequency > 0)).all():
+        raise ModalError("frequency: expected finite frequencies above 0 Hz")
     response = 1 / (own.dynamic_mass(frequency) + mass(frequency, gamma[:, None]))
     out = xr.Dataset(
         {
@@ -189,7 +192,9 @@ def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: ModalMo
 
     mass, own = ComplexMass.of(dataset), structure or ModalModel.of(dataset)
     resonance = np.array([own.resonances(mass, g) for g in mass.gamma])
-    frequency = _grid(resonance, band or _band(own))
+    frequency = _grid(resonance, _band(own, band))
+    if not np.size(forces):
+        raise ModalError("forces: give an amplitude, or several [N]")
 
     def damper(f, acceleration):  # rounding may carry the edge of the grid past the highest Gamma
         return mass(f, np.minimum(acceleration / STANDARD_GRAVITY, mass.gamma[-1]))
@@ -231,6 +236,11 @@ def chosen(dataset: xr.Dataset, choices: list[str]) -> xr.Dataset:
         if name not in dataset.dims or name in ("frequency", "gamma", "mode", "seed"):
             raise ModalError(f"{choice}: the results have no swept scalar '{name}'")
         have = dataset[name].values
+        if have.dtype.kind not in "fiu":
+            if value not in have:
+                raise ModalError(f"{choice}: choose from {', '.join(map(str, have))}")
+            dataset = dataset.sel({name: value})
+            continue
         try:
             nearest = int(np.argmin(np.abs(have - float(value))))
         except ValueError:
@@ -264,8 +274,14 @@ def _bounded(own: ModalModel, mass: ComplexMass, force: float, frequency) -> Non
         )
 
 
-def _band(own: ModalModel) -> tuple[float, float]:
-    return 0.5 * float(own.frequency.min()), 1.25 * float(own.frequency.max())
+def _band(own: ModalModel, asked) -> tuple[float, float]:
+    """The band that is asked for, or one about all modes."""
+    if asked is None:
+        return 0.5 * float(own.frequency.min()), 1.25 * float(own.frequency.max())
+    low, high = map(float, asked)
+    if not 0 < low < high < np.inf:
+        raise ModalError(f"band: expected two frequencies above 0 Hz, the lower one first, got {low:g} and {high:g}")
+    return low, high
 
 
 def _grid(resonance: np.ndarray, band) -> np.ndarray:

@@ -32,7 +32,7 @@ def modes(config: Config, *, particles: float) -> Modes:
     with _placed(config, f"structure.{structure.source}"):
         every = MAKERS[structure.source](config, particles)
     with _placed(config, "structure.modes" if structure.modes else f"structure.{structure.source}"):
-        found = every.pick(structure.modes or every.number[~every.on_node])
+        found = every.pick(structure.modes or every.dampable)
     if structure.inherent_damping is None:
         return found
     given = np.asarray(structure.inherent_damping, float)

@@ -37,6 +37,7 @@ def modes_table(modes) -> Table:
     ):
         own = [f"{100 * damping:.3g} %"] * damped + [f"{100 * high:.2g} %"] * meshed
         table.add_row(f"{number}", f"{frequency:.2f}", f"{amplitude:.4f}", f"{mass:.4f}", *own)
+    table.caption = modes.remark or None
     return table
 
 
@@ -107,20 +108,40 @@ def _line_head(dataset, at):
 
 
 def fits_table(fitted: xr.Dataset) -> Table:
-    """Per mode: frequency and damping ratio by every method, with standard errors; over several Gammas without."""
-    several = "gamma" in fitted.dims
-    methods = [str(name) for name in fitted["fit"].values]
-    table = _table("mode", *(["Γ"] if several else []), "f [Hz]", *methods)
-    table.title = "natural frequency by least squares; damping ratio [%] by method"
-    for mode, gamma in itertools.product(fitted["mode"].values, fitted["gamma"].values if several else [None]):
-        at = fitted.sel(mode=mode) if gamma is None else fitted.sel(mode=mode, gamma=gamma)
-        rows = [at.sel(fit=name) for name in methods]
-        best = rows[-1]
-        values = [(best["fitted_frequency"], best["fitted_frequency_standard_error"])]
-        values += [(100 * r["fitted_damping_ratio"], 100 * r["fitted_damping_ratio_standard_error"]) for r in rows]
-        cells = [_value(value, np.nan if several else error) for value, error in values]
-        table.add_row(f"{mode}", *([f"{gamma:g}"] if several else []), *cells)
+    """Fits of one FRF with their errors, quality and band; of several FRFs a row a mode, without errors."""
+    several = next((dim for dim in ("gamma", "frf") if dim in fitted.dims), None)
+    table = _table("mode", "fit", "f [Hz]", "ζ [%]", "R²") if several is None else _compact(fitted, several)
+    table.title = f"natural frequency and {fitted.attrs['damping']} damping ratio ζ [%]"
+    for mode in fitted["mode"].values if several is None else ():
+        at = fitted.sel(mode=mode)
+        for name in fitted["fit"].values:
+            row = at.sel(fit=name)
+            frequency = _value(row["fitted_frequency"], row["fitted_frequency_standard_error"])
+            ratio = _value(100 * row["fitted_damping_ratio"], 100 * row["fitted_damping_ratio_standard_error"])
+            table.add_row(f"{mode}", f"{name}", frequency, ratio, f"{float(row['fitted_quality']):.4f}")
+    if several is None:
+        bands = [f"mode {mode} {_band(fitted.sel(mode=mode))}" for mode in fitted["mode"].values]
+        table.caption = f"half-power bands: {'; '.join(bands)}"
     return table
+
+
+def _compact(fitted: xr.Dataset, several: str) -> Table:
+    methods = [str(name) for name in fitted["fit"].values]
+    table = _table("mode", {"gamma": "Γ", "frf": "FRF"}[several], "f [Hz]", *methods, "R²")
+    for mode, value in itertools.product(fitted["mode"].values, fitted[several].values):
+        rows = [fitted.sel({"mode": mode, several: value, "fit": name}) for name in methods]
+        best = next((row for row in reversed(rows) if np.isfinite(row["fitted_frequency"])), rows[-1])
+        cells = [_value(100 * row["fitted_damping_ratio"], np.nan) for row in rows]
+        own = f"{value:g}" if several == "gamma" else f"{value}"
+        quality = _value(best["fitted_quality"], np.nan)
+        table.add_row(f"{mode}", own, _value(best["fitted_frequency"], np.nan), *cells, quality)
+    return table
+
+
+def _band(at: xr.Dataset) -> str:
+    if np.isnan(at["band_start"]):
+        return "not fitted"
+    return f"{float(at['band_start']):.4g} to {float(at['band_end']):.4g} Hz, {int(at['band_lines'])} lines"
 
 
 def accuracy_table(runs: xr.Dataset) -> Table:

@@ -92,7 +92,7 @@ def _table(plan: Plan, finished: Finished) -> dict[str, np.ndarray]:
     by_point = messages.reshape(plan.cases.shape)
     for index, why in plan.refused.items():
         by_point[(slice(None), slice(None), *index)] = why
-    return table | ({"message": messages} if (messages != "").any() else {})
+    return table | {"message": messages}
 
 
 def _coordinates(cases: Cases) -> dict:

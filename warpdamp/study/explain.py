@@ -171,6 +171,9 @@ def _cases(made: Plan, numbers):
         yield f"  {lengths or '1'}{''.join(f', without {text}' for text in left_out)}"
     low, high = made.particles[numbers].min(), made.particles[numbers].max()
     yield f"  {low} particles each" if low == high else f"  {low} to {high} particles"
+    modes = next(cases.points()).modes
+    if modes is not None and modes.remark:
+        yield f"  {modes.remark}"
 
 
 def _price(made: Plan, numbers, workers):

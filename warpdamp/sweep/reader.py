@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import difflib
 import itertools
 import math
@@ -12,6 +11,8 @@ from pydantic import ValidationError
 from ..config.quantities import to_si
 from ..config.study import Config
 from ..config.sweep import Between, Range, SampleConfig, Span, spread
+from ..errors import ConfigError
+from ..text_table import Row, TableError, column, is_number, number, read_rows
 from .axes import (
     CASE,
     GAMMA,
@@ -205,27 +206,47 @@ class Reader:
         """The scalars of a CSV file, one a column."""
         place, file = ("sweep", "csv"), self.config.folder / name
         try:
-            with open(file, newline="", encoding="utf-8-sig") as text:
-                header, *lines = [line for line in csv.reader(text) if line] or [[]]
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
-            raise self.config.error(
-                place, f"{file} cannot be read: {getattr(error, 'strerror', None) or error}"
-            ) from None
-        if not header or not lines:
+            rows = read_rows(file, separators=(";", "\t", ","))
+        except TableError as error:
+            raise self.config.error(place, str(error)) from None
+        if len(rows) < 2:
             raise self.config.error(place, f"{file} needs a line of paths and at least one line of values")
-        paths = [self._take(key.strip(), place) for key in header]
-        rows = []
-        for number, line in enumerate(lines, 2):
-            if len(line) != len(paths):
-                raise self.config.error(place, f"{file}, line {number}: {len(line)} values for {len(paths)} columns")
-            try:
-                row = self._read(dict(zip(paths, map(_cell, line), strict=True)), place)
-            except ValueError as error:
-                raise self.config.error(
-                    place, f"{file}, line {number}: {str(error).rpartition('sweep.csv: ')[2]}"
-                ) from None
-            rows.append(tuple(row[path] for path in paths))
-        return Axis(CASE, tuple(paths), tuple(rows))
+        head, *lines = rows
+        if mixed := _two_decimal_marks(lines):
+            raise self.config.error(place, f"{file}:{mixed}: has decimal points and decimal commas: write one of them")
+        heads = [column(cell) for cell in head.cells]
+        paths = [self._column(title.name, f"{file}:{head.line}: column '{title}'") for title in heads]
+        values = []
+        for line in lines:
+            where = f"{file}:{line.line}"
+            if len(line.cells) != len(paths):
+                raise self.config.error(place, f"{where}: {len(line.cells)} values for {len(paths)} columns")
+            cells = [_cell(cell, title.unit) for cell, title in zip(line.cells, heads, strict=True)]
+            row = _in_file(where, self._read, dict(zip(paths, cells, strict=True)), place)
+            values.append(tuple(row[path] for path in paths))
+        return Axis(CASE, tuple(paths), tuple(values))
+
+    def _column(self, name: str, where: str) -> Path:
+        return _in_file(where, self._take, name, ("sweep", "csv"))
+
+
+def _in_file(where: str, action, *arguments):
+    """What an action gives; its errors at a place in the table beside the configuration."""
+    try:
+        return action(*arguments)
+    except ConfigError as error:
+        before, key, after = str(error).rpartition("sweep.csv: ")
+        raise ConfigError(f"{before}{key}{where}: {after}") from None
+
+
+def _two_decimal_marks(rows: list[Row]) -> int | None:
+    """The first line by which numbers have been written with decimal points and with decimal commas."""
+    marks: set[str] = set()
+    for row in rows:
+        marks |= {mark for cell in row.cells if is_number(cell) for mark in ",." if mark in cell}
+        if len(marks) > 1:
+            return row.line
+    return None
 
 
 def _at(loc: tuple, path: Path) -> bool:
@@ -246,17 +267,15 @@ def _said(error, row: dict) -> str:
     return f"{message[:1].lower()}{message[1:]} (with {given})"
 
 
-def _cell(text: str):
-    """A number, a truth value, or text."""
-    text = text.strip()
-    for kind in (int, float):
-        try:
-            value = kind(text)
-        except ValueError:
-            continue
-        if math.isfinite(value):
-            return value
-    return {"true": True, "false": False}.get(text.lower(), text)
+def _cell(text: str, unit: str):
+    """A number, a quantity in the unit of its column, a truth value, or text."""
+    bare = unit in ("", "-", "1")
+    if not is_number(text):
+        return {"true": True, "false": False}.get(text.lower(), text if bare else f"{text} {unit}")
+    if not bare:
+        return f"{number(text)!r} {unit}"
+    value = number(text)
+    return int(text) if text.lstrip("+-").isdigit() else value if math.isfinite(value) else text
 
 
 def _samples(sample: SampleConfig, dimensions: int):
