@@ -165,7 +165,7 @@ def test_structures_that_contradict_themselves(written, tmp_path, structure, mes
     [
         ("  mode_file: {file: modes.csv, node: 7}\n  particles_included: true\n", r"FILE:2:3: structure.mode_file: there is no node 7"),
         ("  mode_file: {file: other.csv, node: 7}\n  particles_included: true\n", r"structure.mode_file: there is no file .*other.csv"),
-        ("  mode_file: {file: modes.txt, node: 7}\n  particles_included: true\n", r"modes are read from .csv or .uff, .unv, .uf"),
+        ("  mode_file: {file: modes.txt, node: 7}\n  particles_included: true\n", r"modes.txt: modes are read from .csv, .uff, .unv, .uf, .f06, .pch or .rst"),
         ("  mode_file: {file: bare.csv, node: 1}\n  particles_included: true\n", r"structure.mode_file: .*bare.csv has no modal mass: add a column"),
         ("  mode_file: {file: modes.csv, node: 1}\n  particles_included: true\n  modes: [4]\n", r"FILE:4:3: structure.modes: there is no mode 4: choose from 1"),
         ("  mode_file: {file: modes.csv, node: 1}\n  particles_included: true\n  inherent_damping: [1 %, 2 %]\n", r"structure.inherent_damping: 2 values for 1 modes"),

@@ -98,7 +98,7 @@ class PointMassConfig(Model):
 
 
 class ModeFileConfig(Model):
-    """Modes from a UFF or CSV file, and where on it the damper sits."""
+    """Modes from a file (UFF, CSV, Nastran's .f06 or .pch, Ansys's .rst), and where on it the damper sits."""
 
     file: str
     node: StrictInt | None = None

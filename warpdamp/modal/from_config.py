@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..config.build import material
-from ..config.structure import BeamConfig, BoxConfig, PointMassConfig
+from ..config.structure import BeamConfig, BoxConfig, ModeFileConfig, PointMassConfig
 from ..config.study import Config
 
 if TYPE_CHECKING:
@@ -131,20 +131,34 @@ def _standing_masses(config: Config) -> list[StandingMass]:
 
 
 def _mode_file(config: Config, particles: float) -> Modes:
-    from .mode_csv import read_csv
-    from .mode_uff import SUFFIXES, read_uff
-
     own = config.structure.mode_file
     file = _file(config, own.file)
-    if file.suffix.lower() in SUFFIXES:
-        every = read_uff(file, modal_mass=own.modal_mass, units=own.units)
-    elif file.suffix.lower() == ".csv":
-        every = read_csv(file, modal_mass=own.modal_mass)
-    else:
-        raise ValueError(f"{file}: modes are read from .csv or {', '.join(SUFFIXES)}")
+    every = _read_modes(file, own)
     direction = _direction(own.direction)
     seen = every.at(own.position, direction) if own.node is None else every.at_label(own.node, direction)
     return seen if config.structure.particles_included else seen.with_mass(particles)
+
+
+def _read_modes(file: Path, own: ModeFileConfig) -> Modes:
+    """The modes in a file, by the reader of its suffix."""
+    from ..errors import ModalError
+    from . import mode_csv as table
+    from . import mode_uff as uff
+    from . import nastran, rst
+
+    suffix = file.suffix.lower()
+    if suffix in uff.SUFFIXES:
+        return uff.read_uff(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix in nastran.SUFFIXES:
+        return nastran.read_nastran(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix in rst.SUFFIXES:
+        return rst.read_rst(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix != ".csv":
+        every = (".csv", *uff.SUFFIXES, *nastran.SUFFIXES, *rst.SUFFIXES)
+        raise ModalError(f"{file}: modes are read from {', '.join(every[:-1])} or {every[-1]}")
+    if own.units is not None:
+        raise ModalError(f"{file}: units are those of the table's columns, as x_m: leave units out")
+    return table.read_csv(file, modal_mass=own.modal_mass)
 
 
 def _modes_given(config: Config, particles: float) -> Modes:

@@ -140,7 +140,8 @@ class Modes:
         if not len(slow):
             return self.remark
         fastest = self.frequency[self.rigid].max()
-        return f"left out: rigid-body motions, modes {_some(slow)} (up to {fastest:.3g} Hz, below {LOWEST:g} Hz)"
+        said = f"left out: rigid-body motions, modes {_some(slow)} (up to {fastest:.3g} Hz, below {LOWEST:g} Hz)"
+        return f"{self.remark}; {said}" if self.remark else said
 
     def at(self, position, direction=None) -> Modes:
         """The same modes as a damper at the point nearest to ``position`` (3,) [m] sees them.

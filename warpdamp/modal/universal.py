@@ -6,6 +6,7 @@ in fields of 10 columns, reals in E13.5, D25.16 or E20.12.  Specification: https
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -79,16 +80,28 @@ class Dataset:
         """The next ``count`` reals, on as many records as they take; the last of these may hold more if it is said."""
         found: list[float] = []
         while len(found) < count:
-            record = self.text()
-            numbers = _REAL.findall(record)
-            if not numbers or re.search(r"\S", _REAL.sub("", record)):
-                raise self.error(f"expected {count} numbers, got '{record.strip()}'")
-            found += [float(number.lower().replace("d", "e")) for number in numbers]
+            numbers = _numbers(self.text())
+            if not numbers:
+                raise self.error(f"expected {count} numbers, got '{self.records[self.done - 1].strip()}'")
+            found += numbers
         if len(found) > count and not or_more:
             raise self.error(f"expected {count} numbers, got {len(found)}")
         if not all(abs(number) < LARGEST for number in found):
             raise self.error("a number is too large")
         return found
+
+
+def _numbers(record: str) -> list[float]:
+    """Numbers of a record, which may touch; none if there is anything else."""
+    try:
+        numbers = [float(part) for part in record.split()]
+    except ValueError:
+        numbers = []
+    if numbers and "_" not in record and all(map(math.isfinite, numbers)):
+        return numbers
+    if re.search(r"\S", _REAL.sub("", record)):
+        return []
+    return [float(number.lower().replace("d", "e")) for number in _REAL.findall(record)]
 
 
 def datasets(file: Path) -> list[Dataset]:
