@@ -24,10 +24,7 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 import nastran_files as nastran  # noqa: E402
 import universal_files as universal  # noqa: E402
-from warpdamp.errors import (
-    MissingLibrary,
-    ModalError,
-)
+from warpdamp.errors import MissingLibrary, ModalError  # noqa: E402
 from warpdamp.modal.mesh_file import load_named  # noqa: E402
 from warpdamp.modal.mode_csv import read_csv, write_csv  # noqa: E402
 from warpdamp.modal.mode_uff import read_uff, write_uff  # noqa: E402

@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import platformdirs
-from filelock import ReadWriteLock, Timeout
 
 from .errors import StoreError
 
@@ -72,6 +71,8 @@ def locked(path: Path, *, shared: bool = False, wait: bool = False) -> Iterator[
     wait : bool
         For others to release it.
     """
+    from filelock import ReadWriteLock, Timeout  # imports asyncio: half the time that reading a configuration takes
+
     lock = ReadWriteLock(path, is_singleton=False)
     try:
         (lock.acquire_read if shared else lock.acquire_write)(blocking=wait)

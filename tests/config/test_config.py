@@ -6,7 +6,7 @@ import re
 import pytest
 
 from warpdamp import ConfigError, load
-from warpdamp.config.quantities import to_si
+from warpdamp.config.quantities import COMMON, _converted, to_si
 from warpdamp.config.study import Config
 from warpdamp.sweep.cases import Cases
 from warpdamp.sweep.reader import read_axes
@@ -189,3 +189,9 @@ def test_the_schema_serves_editors():
     json.dumps(schema)
     assert set(schema["properties"]) >= {"structure", "damper", "materials", "contact", "excitation", "seeds"}
     assert schema["additionalProperties"] is False
+
+
+@pytest.mark.parametrize(("unit", "given"), [(unit, name) for unit, names in COMMON.items() for name in names])
+def test_common_units_are_those_of_pint_to_the_bit(unit, given):
+    for number in (3.73, 40.0, 1 / 3, 6.02e23, 9.1e-31):
+        assert to_si(f"{number!r} {given}", unit) == _converted(number, given, unit)

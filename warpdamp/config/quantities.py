@@ -16,27 +16,21 @@ _QUANTITY = re.compile(rf"\s*(?P<sign>[-+]?)(?:{_FRACTION}|(?P<decimal>{_GROUPED
 _EXPONENT = re.compile(r"(?:(?:\^|\*\*)\s*\(?|(?<=[^\W\d_]))[-+]?\d(?!\d)")  # ^3, **-3, m3, m-3
 _POWER = re.compile(r"(?<=[^\W\d_])([-+]?\d)")  # m3, m-3
 _TURNS = ("rad", "turn", "rev", "rpm", "deg", "cycle")
-_COMMON = (
-    "m",
-    "mm",
-    "cm",
-    "um",
-    "kg",
-    "g",
-    "s",
-    "ms",
-    "us",
-    "Hz",
-    "kHz",
-    "Pa",
-    "kPa",
-    "MPa",
-    "GPa",
-    "N",
-    "mN",
-    "kN",
-    "in",
-)
+COMMON = {
+    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
+    "kg": {"kg": 1.0, "g": 1e-3},
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
+    "Hz": {"Hz": 1.0, "kHz": 1e3},
+    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
+    "N": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
+    "kg/m^3": {"kg/m^3": 1.0},
+    "m/s^2": {"m/s^2": 1.0},
+    "": {"%": 1e-2},
+}
+"""Factors of the units that most files use, by SI unit: read without pint, whose import takes longer than all the rest
+of reading a configuration; a test holds them to pint's, to the bit."""
+
+_SPELLINGS = {name.lower(): name for units in COMMON.values() for name in (*units, "in")}
 
 
 @functools.cache
@@ -70,8 +64,6 @@ def to_si(value: Any, unit: str) -> float:
 
 
 def _parsed(text: str, unit: str, wanted: str) -> float:
-    import pint
-
     if "," in text:
         raise ValueError(f"cannot read '{text}': write a decimal point, not a comma")
     parts = _QUANTITY.fullmatch(text)
@@ -80,11 +72,20 @@ def _parsed(text: str, unit: str, wanted: str) -> float:
     number, given = _number(parts, text), parts["unit"]
     if not given:
         return number
+    if given in COMMON.get(unit, ()):
+        return number * COMMON[unit][given]
     if any(turn in given.lower() for turn in _TURNS):
         raise ValueError(f"'{text}' counts angles: expected {wanted}, such as '{_example(unit)}'")
     rest = _EXPONENT.sub("", re.sub(r"^1\s*/", "/", given))
     if any(c.isdecimal() or c in "+-" for c in rest):
         raise ValueError(f"cannot read '{text}': expected one number and its unit, such as '{_example(unit)}'")
+    return _by_pint(text, number, given, unit, wanted)
+
+
+def _by_pint(text: str, number: float, given: str, unit: str, wanted: str) -> float:
+    """The number in SI, whatever its unit."""
+    import pint
+
     try:
         return _converted(number, given, unit)
     except pint.DimensionalityError as error:
@@ -114,8 +115,7 @@ def _number(parts: re.Match, text: str) -> float:
 
 def _respelt(given: str, unit: str) -> str:
     """A question about a unit that is one but for capital letters, as hz."""
-    known = {name.lower(): name for name in _COMMON}
-    spelt = re.sub(r"[^\W\d_]+", lambda word: known.get(word[0].lower(), word[0]), given)
+    spelt = re.sub(r"[^\W\d_]+", lambda word: _SPELLINGS.get(word[0].lower(), word[0]), given)
     try:
         _converted(1.0, spelt, unit)
     except Exception:  # whatever pint raises: there is nothing to propose
