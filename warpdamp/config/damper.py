@@ -24,10 +24,11 @@ def _swept(kind, *constraints):
     """One value, or a list or range of different ones that becomes an axis."""
     one = Annotated[kind, *constraints]
     some = one | Annotated[list[one], Field(min_length=1)]
-    read = TypeAdapter(kind).validate_python
 
     def spread(value):
-        return Range.model_validate(value).spread(read) if isinstance(value, dict) else value
+        if not isinstance(value, dict):
+            return value
+        return Range.model_validate(value).spread(TypeAdapter(kind).validate_python)
 
     return Annotated[some, BeforeValidator(spread, json_schema_input_type=some | Range)]
 
