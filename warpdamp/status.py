@@ -1,4 +1,4 @@
-"""How a case ended."""
+"""Status of a case: how it ended, and the remedy."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Status(IntEnum):
-    """How a case ended; the value is what the Dataset's ``status`` holds."""
+    """Status of a case; the value is what the Dataset's ``status`` holds."""
 
     NOT_RUN = -1
     STEADY = 0
@@ -24,7 +24,7 @@ class Status(IntEnum):
 
     @property
     def meaning(self) -> str:
-        """In words, with the remedy."""
+        """Sentence that explains the status, with the remedy."""
         return _MEANINGS[self]
 
 
