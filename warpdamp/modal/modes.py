@@ -40,21 +40,21 @@ class Modes:
 
     @property
     def amplitude(self) -> np.ndarray:
-        """(m,) mass-normalised mode shape phi at the damper, in the direction of the excitation [kg^-0.5]."""
+        """Mass-normalised mode shape phi at the damper, in the direction of the excitation, (m,) [kg^-0.5]."""
         return self.shape[:, self.damper] @ np.asarray(self.direction)
 
     @property
     def modal_mass(self) -> np.ndarray:
-        """1 / phi^2 [kg], the mass that each mode shows at the damper's point."""
+        """Modal mass 1 / phi^2 that each mode shows at the damper's point, (m,) [kg]."""
         return 1 / self.amplitude**2
 
     @property
     def on_node(self) -> np.ndarray:
-        """(m,) whether the damper sits on a node of the mode."""
+        """Whether the damper sits on a node of each mode, (m,) array of bool."""
         return np.abs(self.amplitude) < NODE * np.max(np.abs(self.shape), axis=(1, 2))
 
     def pick(self, numbers) -> Modes:
-        """The modes of the given numbers, in that order.
+        """Modes of the given numbers, in that order.
 
         Raises
         ------
@@ -79,7 +79,7 @@ class Modes:
         )
 
     def at(self, position, direction=None) -> Modes:
-        """The same modes as a damper at the point nearest to ``position`` (3,) [m] sees them.
+        """Modes as a damper at the point nearest to ``position`` (3,) [m] sees them.
 
         ``direction`` is that of its excitation (default: unchanged).  Amplitudes come out positive.
         """
@@ -87,7 +87,7 @@ class Modes:
         return self.seen_from(damper, self.direction if direction is None else direction)
 
     def at_label(self, label, direction=None) -> Modes:
-        """The same modes as a damper at the point of that name sees them.
+        """Modes as a damper at the point named ``label`` sees them.
 
         Raises
         ------
@@ -100,13 +100,13 @@ class Modes:
         return self.seen_from(int(found[0]), self.direction if direction is None else direction)
 
     def seen_from(self, damper: int, direction) -> Modes:
-        """The same modes as a damper at row ``damper`` of the points sees them, with positive amplitudes."""
+        """Modes as a damper at row ``damper`` of the points sees them, with positive amplitudes."""
         unit = tuple(float(c) for c in np.asarray(direction, float) / np.linalg.norm(direction))
         sign = np.where(self.shape[:, damper] @ np.asarray(unit) < 0, -1.0, 1.0)
         return replace(self, damper=damper, direction=unit, shape=sign[:, None, None] * self.shape)
 
     def with_mass(self, mass: float) -> Modes:
-        """The modes of the same structure with a point mass [kg] more at the damper.
+        """Modes of the structure with a further point mass [kg] at the damper.
 
         Structural modification in the space of these modes: with q their coordinates and phi their shapes at the
         damper, (W^2 - w^2 (I + m phi phi^T)) q = 0.  Exact when every mode that the damper moves is here; what is

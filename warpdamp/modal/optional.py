@@ -1,4 +1,4 @@
-"""Libraries that only some users need."""
+"""Optional libraries, imported when a function needs them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,13 @@ from ..errors import MissingLibrary
 
 
 def needs(module: str, what: str) -> None:
-    """Ask for a module of the ``modes`` extra.
+    """Refuse to go on without a module of the ``modes`` extra.
+
+    Parameters
+    ----------
+    module : str
+    what : str
+        Plural noun that begins the message: what needs it.
 
     Raises
     ------
