@@ -1,4 +1,4 @@
-"""Where a damping curve peaks."""
+"""Optima of a damping curve over Gamma."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Peak:
-    """A maximum of a curve over Gamma: where, how high, and the standard error of its height."""
+    """Maximum of a curve over Gamma: its place, its height, and the standard error of the height."""
 
     gamma: float
     height: float
@@ -25,9 +25,24 @@ class Peak:
 
 
 def peaks(gamma, height, standard_error) -> list[Peak]:
-    """Maxima of a noisy curve that stand out of the dips beside them by more than two standard errors, by Gamma.
+    """Maxima of a noisy curve that stand out of the dips beside them by more than two standard errors, by rising Gamma.
 
     A curve without any has one, its largest point; points that are not finite are left out.
+
+    Parameters
+    ----------
+    gamma, height, standard_error : (n,) arrays
+        Amplitudes [-], the curve there and its standard errors, in any order.
+
+    Returns
+    -------
+    list of Peak
+
+    Examples
+    --------
+    >>> from warpdamp import peaks
+    >>> peaks([1, 2, 3, 4], [0.1, 0.5, 0.3, 0.4], [0.01, 0.01, 0.01, 0.1])
+    [Peak(gamma=2.0, height=0.5, standard_error=0.01)]
     """
     from scipy.signal import find_peaks
 
@@ -54,12 +69,26 @@ BLOCK_INTERCEPT = 1.08
 
 
 def collision_optimum(frequency, clearance, *, gravity: bool = True):
-    """Gamma of two-sided collision of a plastic block, 4 pi f^2 h / g (eq. 1), with gravity along the axis or without.
+    """Gamma of two-sided collision of a plastic block, 4 pi f^2 h / g (eq. 1) [-].
 
     Parameters
     ----------
-    frequency : f [Hz]
-    clearance : h [m]
+    frequency : float or array
+        f [Hz].
+    clearance : float or array
+        h [m].
+    gravity : bool
+        Whether gravity acts along the axis; then ``BLOCK_INTERCEPT`` is added.
+
+    Returns
+    -------
+    float or array
+        Broadcast against each other.
+
+    References
+    ----------
+    Terzioglu & Rongong, Selection of granular damper parameters to achieve optimum vibration attenuation on vibrating
+    structures, eq. 1.
     """
     return 4 * np.pi * np.asarray(frequency) ** 2 * clearance / STANDARD_GRAVITY + (BLOCK_INTERCEPT if gravity else 0.0)
 
@@ -67,17 +96,21 @@ def collision_optimum(frequency, clearance, *, gravity: bool = True):
 def optimum(dataset: xr.Dataset, of: str = "effectiveness") -> xr.Dataset:
     """Gamma of fluidisation and of two-sided collision, with standard errors, for every curve of a Dataset.
 
-    A maximum is called by the nearer, in ratio, of what a plastic block predicts: 2.58, and eq. 1 with the clearance
+    A maximum is assigned to the nearer, in ratio, of what a plastic block predicts: 2.58, and eq. 1 with the clearance
     measured; of two, the lower is that of fluidisation.
 
     Parameters
     ----------
-    of : variable with a ``_standard_error``
+    dataset : xarray.Dataset
+        Results with the dimension ``gamma``.
+    of : str
+        Variable with a ``_standard_error``.
 
     Returns
     -------
     xarray.Dataset
-        ``gamma_fluidisation``, ``gamma_collision``, the heights there and standard errors; NaN where there is none.
+        ``gamma_fluidisation``, ``gamma_collision``, the heights there and standard errors, on the dimensions of ``of``
+        without ``gamma`` and ``seed``; NaN where there is none.
 
     Raises
     ------
@@ -131,7 +164,7 @@ def _frequency(dataset, at) -> float:
 
 
 def _called(tops: list[Maximum], frequency: float, clearance: float) -> dict[str, Maximum]:
-    """Which maximum is which."""
+    """Maxima by the motion that they belong to."""
     expected = {"fluidisation": BLOCK_FLUIDISATION}
     if math.isfinite(clearance) and math.isfinite(frequency):
         expected["collision"] = float(collision_optimum(frequency, clearance))

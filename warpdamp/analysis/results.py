@@ -61,20 +61,42 @@ def over_packings(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.Data
 
 
 def worst_status(dataset: xr.Dataset) -> xr.DataArray:
-    """How the worst packing of every point ended."""
+    """Largest ``status`` among the packings of every point.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results.
+
+    Returns
+    -------
+    xarray.DataArray
+        Numbers of ``warpdamp.status.Status``, without the dimension ``seed``.
+    """
     status = dataset["status"]
     return status.max("seed") if "seed" in status.dims else status
 
 
 def ran(dataset: xr.Dataset) -> xr.DataArray:
-    """Which cases were run: of the packings of a point those that a tolerance called for."""
+    """Cases that were run: of the packings of a point those that a tolerance required.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results.
+
+    Returns
+    -------
+    xarray.DataArray of bool
+        On the dimensions of ``status``.
+    """
     import xarray as xr
 
     return dataset["status"] != NOT_RUN if "status" in dataset else xr.ones_like(dataset["seed"], bool)
 
 
 def provenance() -> dict:
-    """Global attributes: who made this, with what, when."""
+    """Global attributes of a results file: program and library versions, date, references."""
     import numpy
     import scipy
     import skfem
@@ -95,12 +117,23 @@ def provenance() -> dict:
 
 
 def read(path: Path) -> xr.Dataset:
-    """Results of a run, from their file into memory.
+    """Results of a run, read from their file into memory.
+
+    Parameters
+    ----------
+    path : Path
+        netCDF file.
+
+    Returns
+    -------
+    xarray.Dataset
 
     Raises
     ------
     UsageError
-        If the file is not there, is no netCDF file, or holds no results.
+        If the file is no netCDF file, or holds no results.
+    FileNotFoundError
+        If there is no such file.
     """
     import xarray as xr
 
@@ -114,6 +147,13 @@ def read(path: Path) -> xr.Dataset:
 
 
 def write(dataset: xr.Dataset, path: Path) -> None:
-    """Write a netCDF file whole or not at all."""
+    """Write a netCDF file whole or not at all.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    path : Path
+        Replaced if it exists.
+    """
     with whole_file(path) as part:
         dataset.to_netcdf(part, engine="netcdf4")
