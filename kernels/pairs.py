@@ -28,7 +28,7 @@ def pair_contacts(effects):
     def pair_contact(
         case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, j: int, k: int, branch: vec3, h: real, since: real
     ):
-        """What a touching pair does, k its place in the list.
+        """Forces of a touching pair on its particles; k is its place in the list.
 
         Returns the force on i, the torques on i and j, the history, the losses and the overlap over R*.
         """
