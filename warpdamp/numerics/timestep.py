@@ -1,4 +1,4 @@
-"""The step: from the shortest contact expected, and a whole number of steps to a cycle."""
+"""Time step: from the shortest contact expected, and a whole number of steps to a cycle."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ HERTZ_DURATION = 2.943275
 
 @dataclass(frozen=True)
 class Numerics:
-    """How a scene is simulated.
+    """Numerical choices of a simulation.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Numerics:
     forced: tuple[tuple[str, bool], ...] = ()
 
     def effects(self, scene: Scene, grains) -> Effects:
-        """What the scene calls for, and what is forced."""
+        """Effects that the scene requires, with those that are forced."""
         return called_for(scene, grains, precision=self.precision).forced(dict(self.forced))
 
 
@@ -56,7 +56,7 @@ def contact_time(modulus: float, radius: float, mass: float, speed: float) -> fl
 
 
 def expected_speed(scene: Scene, radius) -> float:
-    """Fastest relative impact to be expected [m/s].
+    """Speed of the fastest relative impact to be expected [m/s].
 
     Twice the enclosure's peak speed (a particle thrown back by a wall moving at full speed, met by another at rest),
     and what a fall through the free height of the cavity adds.

@@ -1,4 +1,4 @@
-"""Accuracy bought by tolerance: the step, the length and the packings that an error asked for takes.
+"""Tolerances: the step, the length and the packings that an accuracy asked for requires.
 
 The tolerance is the standard error of the energy per cycle, all parts together: step, averaging, packing.  The step
 is chosen beforehand, so that its error is a third of the tolerance at most; each case then runs until its own standard
@@ -51,7 +51,7 @@ FEWEST_PACKINGS = 3
 
 @dataclass(frozen=True)
 class ToleranceSettings:
-    """What a tolerance takes before anything runs.
+    """Settings of a study that its tolerance chooses before anything runs.
 
     Parameters
     ----------
@@ -66,12 +66,12 @@ class ToleranceSettings:
 
 
 def step_error(steps_per_contact: float) -> float:
-    """Relative error of the energy per cycle that a study reckons with for a step."""
+    """Relative error of the energy per cycle that a study assumes for a step [-]."""
     return STEP_ERROR * (24 / steps_per_contact) ** 2
 
 
 def settings_for(tolerance: float) -> ToleranceSettings:
-    """Step and length for a tolerance.
+    """Settings for a tolerance: step and length of a run.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def settings_for(tolerance: float) -> ToleranceSettings:
 
 
 def packings_needed(energies, errors, degrees, memories, steps, largest, tolerance: float) -> int:
-    """How many of a point's packings it takes, as far as those that ran tell.
+    """Number of a point's packings that a tolerance requires, given those that ran.
 
     A few; then at once as many as their own errors would take if all agreed, so that their beds are made side by side;
     then one more at a time while they disagree.
@@ -109,13 +109,13 @@ def packings_needed(energies, errors, degrees, memories, steps, largest, toleran
 
 
 def allowed(tolerance: float, mean, largest):
-    """Standard error that a tolerance allows a mean, of which the ideal damper's would be ``largest``."""
+    """Standard error that a tolerance allows a mean; ``largest`` is the ideal damper's energy."""
     return np.maximum(tolerance * mean, SMALLEST_EFFECTIVENESS * largest)
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Means over packings and what they are worth, each an array over points.
+    """Means over packings with their uncertainties, each an array over points.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ class Answer:
 
     @property
     def total_error(self) -> np.ndarray:
-        """Standard error, all parts together: what is held against a tolerance."""
+        """Standard error, all parts together: what is compared with a tolerance."""
         return np.hypot(self.standard_error, self.step_error)
 
 
@@ -150,7 +150,7 @@ PARTS = (
 
 
 def combined(means, errors, degrees, memories=0.0, steps=0.0, ran=True) -> Answer:
-    """Combine packings.
+    """Mean over packings with its standard errors and interval.
 
     Parameters
     ----------
@@ -180,17 +180,17 @@ def combined(means, errors, degrees, memories=0.0, steps=0.0, ran=True) -> Answe
 
 
 def bed_memory(fill: float) -> float:
-    """Relative standard error of what one bed says that no averaging over its cycles mends, by the cavity's fill."""
+    """Relative standard error of a single bed that averaging over cycles cannot reduce, by the cavity's fill [-]."""
     return TIGHT_MEMORY if fill >= TIGHT_FILL else LOOSE_MEMORY
 
 
 def single_interval(error: float, degrees: float, memory: float) -> float:
-    """Half-width of the 95 % interval of what one bed says: of its average over cycles, and for its state."""
+    """Half-width of the 95 % interval of a single bed: of its average over cycles, and for its state."""
     return float(np.hypot(error * student(degrees), memory * student(math.inf)))
 
 
 def student(degrees):
-    """Half-width of the 95 % interval over the standard error."""
+    """Ratio of the 95 % interval's half-width to the standard error, by degrees of freedom [-]."""
     from scipy.special import stdtrit
 
     return stdtrit(np.clip(degrees, 1.0, 1e6), 0.975)
