@@ -1,4 +1,4 @@
-"""A YAML file read and validated, and a configuration written back."""
+"""Reading and validation of a YAML file, and YAML of a configuration."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def read(path) -> Config:
 
 
 def resolved_yaml(config: Config) -> str:
-    """The configuration with every default filled in, in SI, as YAML."""
+    """YAML of a configuration with every default filled in, in SI."""
     from ruamel.yaml import YAML
 
     text = io.StringIO()

@@ -156,7 +156,7 @@ class StructureConfig(Model):
 
     @property
     def source(self) -> str:
-        """The key that says where the modes come from."""
+        """Key that says where the modes come from."""
         return next(name for name in SOURCES if getattr(self, name) is not None)
 
     @property
@@ -170,7 +170,7 @@ class StructureConfig(Model):
         return getattr(self, self.source).material if self.computed else None
 
     def found_from(self, folder: Path) -> StructureConfig:
-        """The same with paths of its files that start at ``folder``, where they are not whole already."""
+        """Section with absolute paths of its files; relative ones start at ``folder``."""
         own = getattr(self, self.source)
         if self.source == "beam" and own.section:
             section = own.section.model_copy(update={"file": str(folder / own.section.file)})

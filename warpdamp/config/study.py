@@ -25,7 +25,7 @@ from .sweep import SweepConfig
 
 
 class SteadyConfig(Model):
-    """When a case is done.  ``paper``: fixed times, 0.2 s of settling and 0.3 s of shaking, for comparison."""
+    """End of a case.  ``paper``: fixed times, 0.2 s of settling and 0.3 s of shaking, for comparison."""
 
     recipe: Literal["detect", "paper"] = "detect"
     standard_error: Annotated[Number, _positive] = 0.02
@@ -40,7 +40,7 @@ class SteadyConfig(Model):
 
 
 class AccuracyConfig(Model):
-    """Accuracy bought: the runner chooses the step, how long each case runs, and how many packings a point gets.
+    """Accuracy asked for; the step, the length of each case and the packings of a point follow from it.
 
     ``tolerance`` is the standard error of the energy per cycle with all its parts.
     """
@@ -67,7 +67,7 @@ class NumericsConfig(Model):
 
 
 class Config(Model):
-    """A study: a damper, how it is shaken, and the structure it sits on."""
+    """Study: a damper, its excitation, and the structure it sits on."""
 
     title: str = "Granular damper"
     structure: StructureConfig | None = None
@@ -90,7 +90,7 @@ class Config(Model):
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 
     def error(self, key: str | tuple, message: str) -> ConfigError:
-        """An error at a key (dotted, or as a tuple), with file, line and column where the configuration has a file."""
+        """Error at a key (dotted, or as a tuple), with file, line and column if the configuration has a file."""
         parts = tuple(key.split(".")) if isinstance(key, str) else key
         said = f"{'.'.join(map(str, parts))}: {message}"
         if self._source is None:
@@ -100,11 +100,11 @@ class Config(Model):
 
     @property
     def folder(self) -> Path:
-        """Where files that the configuration names are looked for: its own folder."""
+        """Folder in which files that the configuration names are looked for: its own."""
         return self._source[0].parent if self._source else Path()
 
     def line(self, key: str) -> int | None:
-        """Line of a dotted key in the file that the configuration came from; None where it does not say it."""
+        """Line of a dotted key in the configuration's file; None if the file does not contain it."""
         if self._source is None:
             return None
         data, parts = self._source[1], key.split(".")
