@@ -56,11 +56,11 @@ class Axis:
 
     @property
     def values(self) -> tuple:
-        """Of an axis of one scalar."""
+        """Values of an axis of one scalar."""
         return tuple(row[0] for row in self.rows)
 
     def columns(self) -> dict[Path, list]:
-        """The values of each scalar."""
+        """Values of each scalar, by path."""
         return {path: [row[k] for row in self.rows] for k, path in enumerate(self.paths)}
 
 
@@ -75,7 +75,7 @@ def attributes(path: Path) -> dict:
 
 
 def dotted(path: Path) -> str:
-    """A path as it is written."""
+    """Path as it is written, parts joined by dots."""
     return ".".join(map(str, path))
 
 
@@ -133,7 +133,7 @@ def _below(node, part):
 
 
 def tree(config: Config) -> dict:
-    """The configuration without its sweep and coupled runs, as plain values in SI."""
+    """Tree of plain SI values of a configuration, without its sweep and coupled runs."""
     return config.model_dump(mode="json", exclude={"sweep", "coupled"})
 
 
@@ -145,7 +145,7 @@ def put(node, path: Path, value) -> None:
 
 
 def get(node, path: Path):
-    """A scalar of a configuration's tree."""
+    """Value of a scalar of a configuration's tree."""
     for part in path:
         node = node[part]
     return node[0] if path == SEED else node
@@ -164,7 +164,7 @@ def leaves(node, path: Path = ()):
 
 
 def tree_copy(node):
-    """A copy of a tree down to its scalars."""
+    """Copy of a tree down to its scalars."""
     if isinstance(node, dict):
         return {key: tree_copy(value) for key, value in node.items()}
     return [tree_copy(value) for value in node] if isinstance(node, list) else node

@@ -1,4 +1,4 @@
-"""Every case of a study, made when it is asked for: a sweep of a million cases is a few numbers a case."""
+"""Cases of a study, constructed when asked for: a sweep of a million cases is a few numbers a case."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ KEPT_POINTS = 512
 
 @dataclass(frozen=True)
 class Point:
-    """One combination of the swept scalars but frequency, gamma and seed.
+    """Combination of the swept scalars other than frequency, gamma and seed.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class Point:
 
 
 class Cases:
-    """The cases of a study, numbered in the order of (frequency, gamma, swept scalars, seed).
+    """Cases of a study, numbered in the order of (frequency, gamma, swept scalars, seed).
 
     Parameters
     ----------
@@ -99,11 +99,11 @@ class Cases:
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
-        """How many values each dimension has; found when first asked for, since files of modes may have to be read."""
+        """Number of values of each dimension; computed on first use, since files of modes may have to be read."""
         return self._frequencies(), len(self.gammas), *(len(axis) for axis in self.axes), len(self.seeds)
 
     def _frequencies(self) -> int:
-        """How many: one where ``case`` carries it; the number of modes may be known to their source only."""
+        """Number of frequencies: one where ``case`` carries it; modes may be known to their source only."""
         if FREQUENCY in self.carried:
             return 1
         if not self.modal:
@@ -125,12 +125,12 @@ class Cases:
         return coordinate_names(path for axis in self.axes for path in axis.paths)
 
     def points(self) -> Iterator[Point]:
-        """Every combination of the swept scalars but frequency, gamma and seed."""
+        """Combinations of the swept scalars other than frequency, gamma and seed, in order."""
         for index in itertools.product(*(range(len(axis)) for axis in self.axes)):
             yield self.point(index)
 
     def point(self, index: tuple[int, ...]) -> Point:
-        """One of them."""
+        """Point at an index on the study's axes."""
         if index in self._points:
             self._points.move_to_end(index)
             return self._points[index]
@@ -170,7 +170,7 @@ class Cases:
         return Point(index, single, own, tuple(round(float(f), 6) for f in own.frequency))
 
     def _own_modes(self, single: Config) -> Modes:
-        """Of the structure with a point's particles; each structure and mass of particles once."""
+        """Modes of the structure with a point's particles; computed once for each structure and particle mass."""
         from ..modal.from_config import modes
 
         particles = particle_mass(single)
@@ -191,12 +191,12 @@ class Cases:
             yield int(i * steps[0] + j * steps[1] + inner + k), (i, j, k)
 
     def spec(self, number: int) -> tuple[Spec, Criteria]:
-        """A case to run, and when it is done."""
+        """Case to run, and its criteria, by number."""
         index = tuple(int(k) for k in np.unravel_index(number, self.shape))
         return self.spec_at(self.point(index[2:-1]), (index[0], index[1], index[-1]))
 
     def spec_at(self, point: Point, position: tuple[int, int, int]) -> tuple[Spec, Criteria]:
-        """The case of a point at a position in (frequency, gamma, seed), and when it is done.
+        """Case of a point at a position in (frequency, gamma, seed), and its criteria.
 
         Raises
         ------
@@ -216,7 +216,7 @@ class Cases:
         return Spec(index, driven, steps_of(config, driven, bed.grains), bed), criteria_of(config, frequency)
 
     def specs(self) -> Iterator[Spec]:
-        """Every case that can be and is not excluded."""
+        """Cases that are possible and not excluded, in order."""
         for point in self.points():
             if not point.refused:
                 for _, position in self.numbers(point):
@@ -224,7 +224,7 @@ class Cases:
                         yield self.spec_at(point, position)[0]
 
     def acceleration(self, number: int) -> float:
-        """Amplitude of a case [m/s^2]."""
+        """Acceleration amplitude of a case [m/s^2]."""
         return self.spec(number)[0].scene.drive.acceleration
 
     def drive_at(self, point: Point, position: tuple[int, int, int]) -> tuple[float, float, int]:
@@ -285,7 +285,7 @@ def steps_of(config: Config, driven, own) -> int:
 
 
 def criteria_of(config: Config, frequency: float) -> Criteria:
-    """When a case at a frequency is done."""
+    """Criteria by which a case at a frequency [Hz] ends."""
     from ..damper.case import Criteria, paper_criteria
 
     wanted = config.steady_state

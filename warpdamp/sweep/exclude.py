@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Exclusions:
-    """The conditions under ``sweep.exclude``: a case that meets all of any entry is left out.
+    """Conditions under ``sweep.exclude``: a case that meets all of any entry is left out.
 
     Parameters
     ----------
@@ -54,6 +54,6 @@ def _meets(value, wanted) -> bool:
 
 
 def _same(value, wanted) -> bool:
-    """Equal, numbers to the rounding of their units."""
+    """Whether two values are equal, numbers to the rounding of their units."""
     numbers = [isinstance(v, int | float) and not isinstance(v, bool) for v in (value, wanted)]
     return math.isclose(value, wanted, rel_tol=1e-9) if all(numbers) else value == wanted

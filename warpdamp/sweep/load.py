@@ -1,4 +1,4 @@
-"""A study from its YAML file, or from the folder that holds its results."""
+"""Loading of a study from its YAML file, or from the folder that holds its results."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def load(path: str | Path) -> Config:
 
 
 def load_plan(folder: Path) -> Plan:
-    """The plan of the study that a folder holds.
+    """Plan of the study that a folder holds.
 
     Raises
     ------

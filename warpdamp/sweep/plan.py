@@ -1,4 +1,4 @@
-"""What a study has to run: the identity, cost and company of every case, found in one pass over them.
+"""Plan of a study: the identity, cost and grouping of every case, found in one pass over them.
 
 A case is known by a hash of all that its result depends on: its bed, drive, step and criteria, the version of the
 physics, and, where beds are carried on, the amplitudes before it.
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 class Fate(IntEnum):
-    """What becomes of a case of a study."""
+    """Fate of a case in a study."""
 
     RUN = 0
     EXCLUDED = 1
@@ -39,7 +39,7 @@ class Fate(IntEnum):
 
 
 def identity(spec: Spec, criteria: Criteria, bed: str) -> dict:
-    """All that the result of a case depends on, but for the amplitudes before it; ``bed``: key of its bed."""
+    """Inputs that determine the result of a case, except the amplitudes before it; ``bed``: key of its bed."""
     own = {f.name: getattr(spec, f.name) for f in fields(spec) if f.name not in ("index", "scene", "bed")}
     drive = asdict(spec.scene.drive)
     versions = {"physics": PHYSICS_VERSION, "results": RESULTS_VERSION}
@@ -47,14 +47,14 @@ def identity(spec: Spec, criteria: Criteria, bed: str) -> dict:
 
 
 def key(identity: dict, before: list[dict] = []) -> bytes:  # noqa: B006 - not changed
-    """Sixteen bytes that a case is known by."""
+    """Key of a case, 16 bytes, from its identity and those of the cases before it."""
     text = json.dumps({**identity, "before": before}, sort_keys=True)
     return hashlib.sha256(text.encode()).digest()[:16]
 
 
 @dataclass
 class Plan:
-    """The cases of a study, as arrays over their numbers.
+    """Cases of a study, as arrays over their numbers.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class Plan:
 
 
 def plan(cases: Cases) -> Plan:
-    """Look at every case once.
+    """Plan of a study, in one pass over its cases.
 
     Raises
     ------
@@ -166,7 +166,7 @@ def _look(made: Plan, point, groups: dict, positions: dict, carried: dict) -> No
 
 
 def _chain_up(made: Plan, carried: dict) -> None:
-    """Give cases that are carried on their keys: each depends on those before it."""
+    """Set the keys of carried cases: each depends on those before it."""
     for chain in carried.values():
         chain.sort(key=lambda member: member[:2])
         first, before = chain[0][1], []
@@ -188,7 +188,7 @@ _ARRAYS = ("keys", "fate", "frequency", "particle_mass", "dt", "particles", "cos
 
 
 def save_plan(made: Plan, folder: Path) -> None:
-    """Keep a plan beside its cases: a run that goes on, its parts, and looks at it need not make it again."""
+    """Save a plan beside its cases, so that a continued run, its parts and ``status`` need not make it again."""
     study = resolved_yaml(made.cases.config).encode()
     about = {
         "made": _fingerprint(study),
@@ -204,7 +204,7 @@ def save_plan(made: Plan, folder: Path) -> None:
 
 
 def load_or_make_plan(cases: Cases, folder: Path) -> Plan:
-    """The plan kept in a folder, if the same study and the same code made it; otherwise a new one.
+    """Plan saved in a folder, if the same study and the same code made it; otherwise a new one.
 
     Raises
     ------
@@ -225,7 +225,7 @@ def load_or_make_plan(cases: Cases, folder: Path) -> Plan:
 
 
 def _fingerprint(study: bytes) -> str:
-    """Of a study and of the code: a plan by other code may be another plan."""
+    """Hash of a study and of the code: a plan by other code may differ."""
     return hashlib.sha256(study + _code()).hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""Reads the ``sweep`` of a configuration into axes; what is wrong with it is said at its place in the file."""
+"""Reading of a configuration's ``sweep`` into axes; errors name their place in the file."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from .axes import (
 
 
 def read_axes(config: Config) -> tuple[Config, list[Axis]]:
-    """The configuration with every frequency, gamma and seed of the sweep in it, and its other axes.
+    """Configuration with every frequency, gamma and seed of the sweep in it, and its other axes.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def read_axes(config: Config) -> tuple[Config, list[Axis]]:
 
 
 class Reader:
-    """Reads the sweep of one configuration.
+    """Reader of the sweep of one configuration.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class Reader:
         self.taken: dict[Path, tuple] = {}
 
     def condition(self, key: str, condition, place) -> tuple[Path, object]:
-        """The path of a condition, and its values in SI: ``Between``, or a list."""
+        """Path of a condition, and its values in SI: ``Between``, or a list."""
         path = self._find(key, place)
         if isinstance(condition, Between):
             low, high = (self._single(path, end, place) for end in (condition.from_, condition.to))
@@ -65,7 +65,7 @@ class Reader:
         return path, [self._single(path, value, place) for value in some]
 
     def read(self) -> tuple[Config, list[Axis]]:
-        """See ``read_axes``."""
+        """Read the sweep; see ``read_axes``."""
         found = self._in_place()
         sweep = self.config.sweep
         together: list[Axis] = []
@@ -107,7 +107,7 @@ class Reader:
         return values
 
     def _folded(self, found) -> Config:
-        """With the product's frequencies, gammas and seeds where lists of them stand."""
+        """Configuration with the product's frequencies, gammas and seeds in place of its own."""
         values = self.base | {"sweep": None}
         for path, some in found:
             if path in OWN:
@@ -202,7 +202,7 @@ class Reader:
         return Axis(CASE, tuple(columns), tuple(zip(*columns.values(), strict=True)))
 
     def table(self, name: str) -> Axis:
-        """The scalars of a CSV file, one a column."""
+        """Axis of the scalars of a CSV file, one a column."""
         place, file = ("sweep", "csv"), self.config.folder / name
         try:
             with open(file, newline="", encoding="utf-8-sig") as text:
@@ -240,7 +240,7 @@ def _in_si(path: Path, value):
 
 
 def _said(error, row: dict) -> str:
-    """What the models say, in one line."""
+    """Message of the models in one line."""
     message = error["msg"].removeprefix("Value error, ")
     given = " and ".join(f"{dotted(path)} = {value!r}" for path, value in row.items())
     return f"{message[:1].lower()}{message[1:]} (with {given})"
@@ -271,7 +271,7 @@ def _samples(sample: SampleConfig, dimensions: int):
 
 
 def _merged(axes: list[Axis]) -> list[Axis]:
-    """Every combination of several groups along one dimension."""
+    """Axis of all combinations of several groups, along one dimension."""
     if not axes:
         return []
     rows = tuple(tuple(itertools.chain(*parts)) for parts in itertools.product(*(axis.rows for axis in axes)))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def applied(config: Config) -> Config:
-    """The configuration with the step, the length and the packings that its tolerance takes.
+    """Configuration with the step, the length and the packings that its tolerance chooses.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def applied(config: Config) -> Config:
 
 
 def settled(config: Config) -> Config:
-    """The same study without a table beside it, and with whole paths of its other files, so that it can be kept.
+    """Configuration that does not depend on its folder: its table read in, absolute paths of its other files.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def settled(config: Config) -> Config:
 
 
 def shortened(config: Config) -> Config:
-    """The same study in a minute: five amplitudes, one seed, a loose bed, 12 cycles a case, without its ``sweep``.
+    """Configuration for a first look in a minute: five amplitudes, one seed, loose bed, 12 cycles, no ``sweep``.
 
     Its figures are a first look only: loose beds drift, and ``status`` says so.
     """
