@@ -1,4 +1,4 @@
-"""What a bed and a case depend on, and the recipe by which beds are compacted."""
+"""Inputs of a bed and of a case, and the recipe by which beds are compacted."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ RECIPE = (GROWN, SHAKING_GAMMA, SHAKING_AMPLITUDE, BLOCK, WINDOW, STILL, FEWEST_
 
 @dataclass(frozen=True)
 class Request:
-    """All that a bed depends on.
+    """Inputs that determine a bed.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Criteria:
-    """When a case is done.
+    """Criteria by which a case ends.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class Criteria:
 
 @dataclass(frozen=True)
 class Spec:
-    """One case of a study.
+    """Case of a study, ready to be run.
 
     Parameters
     ----------
@@ -118,22 +118,22 @@ class Spec:
 
     @property
     def dt(self) -> float:
-        """Step [s]."""
+        """Time step [s]."""
         return 1 / (self.scene.drive.frequency * self.steps_per_cycle)
 
     @property
     def effects(self) -> Effects:
-        """What its kernels are compiled for."""
+        """Effects that the case's kernels are compiled for."""
         return self.bed.numerics.effects(self.scene, self.bed.grains)
 
     @property
     def forced_off(self) -> list[str]:
-        """Effects that the scene calls for and the user forced off."""
+        """Effects that the scene requires and the user forced off."""
         called = called_for(self.scene, self.bed.grains)
         return [name for name, on in self.bed.numerics.forced if not on and getattr(called, name)]
 
     def cost(self, criteria: Criteria) -> float:
-        """Particle-steps that it takes at the least."""
+        """Particle-steps of the case, at the least."""
         return self.steps_per_cycle * len(self.bed.grains) * criteria.fewest
 
 
@@ -146,6 +146,6 @@ PAPER_SETTLING, PAPER_SHAKING = 0.2, 0.3
 
 
 def paper_criteria(frequency: float) -> Criteria:
-    """The paper's recipe at a frequency: the whole cycles within 0.3 s, and at least six."""
+    """Criteria of the paper at a frequency [Hz]: the whole cycles within 0.3 s, and at least six."""
     cycles = max(6, math.floor(PAPER_SHAKING * frequency))
     return Criteria(fewest=cycles, most=cycles, fixed=True)

@@ -58,7 +58,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Packing:
-    """A bed at rest.
+    """Prepared bed at rest.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class Packing:
 
 
 def prepare(request: Request) -> Packing:
-    """The bed of a request, from disk if it was made before.
+    """Bed of a request, from disk if it was made before.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def _stored(path: Path) -> Packing | None:
 
 
 def effects(request: Request) -> set[Effects]:
-    """All that kernels are compiled for while a bed is made."""
+    """Sets of effects that kernels are compiled for while a bed is made."""
     scenes = [request.scene, *_upright(request.scene)]
     return {request.numerics.effects(scene, request.grains) for scene in scenes}
 
@@ -139,7 +139,7 @@ def _make(request: Request) -> Packing:
 
 
 class _OutOfBalance(PackingError):
-    """Energy came from nowhere."""
+    """Bed whose ledger gained energy without work."""
 
 
 def _balanced(part: Callable[[Numerics], State], numerics: Numerics) -> State:
@@ -217,7 +217,7 @@ def _shaken(scene: Scene, state: State, numerics: Numerics) -> State:
 
 
 def _fallen(heights) -> float:
-    """By how much the mean over the last blocks lies below that over as many before [m]."""
+    """Fall of the mean height over the last blocks against that over as many before [m]."""
     return float(np.mean(heights[-2 * WINDOW : -WINDOW]) - np.mean(heights[-WINDOW:]))
 
 
@@ -234,13 +234,13 @@ def _run(batch: Batch, steps: int) -> None:
 
 
 def _height(scene: Scene, state: State) -> float:
-    """Of the centre of mass against gravity [m]."""
+    """Height of the centre of mass against gravity [m]."""
     up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
     return float(np.average(state.position @ up, weights=scene.masses(state)))
 
 
 def measured_clearance(scene: Scene, state: State, numerics: Numerics) -> float:
-    """How far the centre of mass travels along the axis between rest on the floor and rest against the lid [m].
+    """Travel of the centre of mass along the axis between rest on the floor and rest against the lid [m].
 
     Standard gravity along the axis, down and then up, whatever the scene's own; not a number without floor or lid.
     """
