@@ -31,7 +31,7 @@ NEAR = 1.2
 
 @dataclass(frozen=True)
 class Fit:
-    """A mode found in an FRF.
+    """Mode fitted to an FRF.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Fit:
 
 
 def half_power_band(frequency, accelerance, near: float) -> slice:
-    """The points round the peak next to ``near`` whose accelerance is at least 1 / sqrt 2 of the peak's.
+    """Slice of the points round the peak next to ``near`` whose accelerance is at least 1 / sqrt 2 of the peak's.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def half_power_band(frequency, accelerance, near: float) -> slice:
 
 
 def line_fit(frequency, accelerance) -> Fit:
-    """Line fit: the real and the imaginary part of 1 / H are straight lines over w^2, (w_r^2 - w^2 + j eta w_r^2) / C.
+    """Line fit: real and imaginary part of 1 / H are straight lines over w^2, (w_r^2 - w^2 + j eta w_r^2) / C.
 
     The natural frequency is where the real line crosses zero; the damping is the imaginary line there, over the real
     line's slope.  Neighbouring modes bias it: B bends both lines.
@@ -123,7 +123,7 @@ def dobson(frequency, accelerance) -> Fit:
 
 
 def circle_fit(frequency, accelerance) -> Fit:
-    """Circle fit: H runs along a circle of diameter C / (eta w_r^2), moved by B, and its angle tells the frequency.
+    """Circle fit: H runs along a circle of diameter C / (eta w_r^2), moved by B; its angle gives the frequency.
 
     Seen from the centre the angle is psi + 2 atan((w_r^2 - w^2) / (eta w_r^2)), fitted to all points at once: the same
     as the mean over all pairs of points, each weighed as its spacing deserves.
@@ -148,7 +148,7 @@ def circle_fit(frequency, accelerance) -> Fit:
 
 
 def least_squares(frequency, accelerance, start: list[Fit]) -> list[Fit]:
-    """Several modes at once, with residuals for the modes below and above the data.
+    """Least-squares fit of several modes at once, with residuals for the modes below and above the data.
 
     A = sum C_r w^2 / (w^2 - w_r^2 (1 + j eta_r)) + below - above w^2, each point weighed by its own size.  Frequencies
     and loss factors are sought; modal constants and residuals, complex as a damper at one point makes them, are linear

@@ -1,4 +1,4 @@
-"""FRFs from files, and the modal fits of every curve of an FRF Dataset."""
+"""Modal fits of every curve of an FRF Dataset, and FRFs from files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Method(StrEnum):
-    """How modes are fitted."""
+    """Method of modal fitting."""
 
     LINE = "line"
     DOBSON = "dobson"
@@ -35,7 +35,7 @@ PROMINENCE = 2.0
 
 
 def fits(frf: xr.Dataset, near=None) -> xr.Dataset:
-    """Every mode of every FRF by every method, each in its half-power band.
+    """Fit every mode of every FRF by every method, each in its half-power band.
 
     Least squares fits all modes together, on their bands together.
 
@@ -131,7 +131,7 @@ def _near(frf: xr.Dataset, curves: np.ndarray, frequency) -> np.ndarray:
 
 
 def read_frf(path: Path) -> xr.Dataset:
-    """An FRF from a file: netCDF as this package writes it, CSV, or universal file (dataset 58).
+    """FRF from a file: netCDF as this package writes it, CSV, or universal file (dataset 58).
 
     A CSV file has three columns: frequency [Hz], real and imaginary part of the accelerance [m s^-2 N^-1]; its first
     line may hold their names.  A universal file must hold one FRF; mobilities and receptances are converted.

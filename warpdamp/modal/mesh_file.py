@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def load_mesh(file: Path, unit: float = 1.0) -> Mesh:
-    """The mesh in a file, in metres.
+    """Mesh of a file, in metres.
 
     Parameters
     ----------

@@ -126,7 +126,7 @@ def _sets(path: Path) -> list[dict]:
 
 
 def _units(path: Path, sets, given: str | None) -> tuple[float, float]:
-    """What turns metres and newtons into the file's units."""
+    """Factors that turn metres and newtons into the file's units."""
     named = {name: factors for name, *factors in UNITS.values()}
     found = [s for s in sets if s["type"] == 164]
     if not found:

@@ -1,4 +1,4 @@
-"""Plates and solids of any shape: their modes with masses that stand on a patch of the surface."""
+"""Modes of plates and solids of any shape, with masses that stand on a patch of the surface."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PATCH_ORDER = 12
 
 @dataclass(frozen=True)
 class StandingMass:
-    """A mass on a round patch of a surface, whose mean displacement it follows.
+    """Mass on a round patch of a surface, whose mean displacement it follows.
 
     Parameters
     ----------
@@ -37,13 +37,13 @@ class StandingMass:
     footprint: float
 
     def loaded(self, mass: float) -> StandingMass:
-        """The same with so much more mass [kg]."""
+        """Standing mass with a further ``mass`` [kg]."""
         return replace(self, mass=self.mass + mass)
 
 
 @dataclass(frozen=True)
 class Plate:
-    """A rectangular plate from (0, 0) to (length, width), bending along z.
+    """Rectangular plate from (0, 0) to (length, width), bending along z.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Plate:
 
 
 def plate_modes(plate: Plate, damper: StandingMass, masses=(), *, highest: int = 5, elements: int = 6) -> Modes:
-    """The lowest modes of a plate with a damper and further masses on it, as the damper sees them along z.
+    """Lowest modes of a plate with a damper and further masses on it, as the damper sees them along z.
 
     Quadratic hexahedra, one through the thickness and about ``elements`` along a side, graded towards the edges and
     the masses.
@@ -140,7 +140,7 @@ def _on_edges(solid: Solid, plate: Plate) -> Solid:
 
 @dataclass(frozen=True)
 class Clamp:
-    """What part of a solid is held: a boundary that the mesh's file names, or all nodes in a box.
+    """Clamped part of a solid: a boundary that the mesh's file names, or all nodes in a box.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ class Clamp:
     box: tuple[tuple[float, float] | None, ...] = (None, None, None)
 
     def nodes(self, basis) -> np.ndarray:
-        """(n,) array of bool, which nodes of a basis it holds.
+        """Nodes of a basis that the clamp holds, (n,) array of bool.
 
         Raises
         ------
@@ -180,7 +180,7 @@ class Clamp:
 
 @dataclass(frozen=True)
 class MeshedSolid:
-    """A solid of any shape, as a mesh of tetrahedra or hexahedra in a file that meshio reads.
+    """Solid of any shape, as a mesh of tetrahedra or hexahedra in a file that meshio reads.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ class MeshedSolid:
 
 
 def solid_modes(solid: MeshedSolid, damper: StandingMass, masses=(), *, highest: int = 5) -> Modes:
-    """The lowest modes of a solid with a damper and further masses on its surface, as the damper sees them.
+    """Lowest modes of a solid with a damper and further masses on its surface, as the damper sees them.
 
     Quadratic elements on the mesh's own cells, whatever their order in the file.  Modes of the same frequency are
     turned so that one of them has all the motion at the damper; rigid motions are not counted.
