@@ -1,4 +1,4 @@
-"""Which cases of a study are called for, as far as those that are finished tell.
+"""Cases that a study needs, given the results of those that are finished.
 
 Without a tolerance all of them.  With one every point begins with a few packings and gets more of them until they tell
 its energy well enough.  The answer depends on finished cases only, not on when and where they ran: a
@@ -41,7 +41,7 @@ def needed_cases(plan: Plan, finished: Finished) -> np.ndarray:
 
 
 def _values(plan: Plan, finished: Finished) -> np.ndarray:
-    """(6, n) energies and what they are worth; NaN where a case is not finished, or failed."""
+    """Energies of all cases and their uncertainties, (6, n); NaN where a case is not finished, or failed."""
     rows = finished.rows(plan.keys)
     there = rows >= 0
     values = np.full((len(_VALUES), len(rows)), np.nan)

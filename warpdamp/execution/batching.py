@@ -1,4 +1,4 @@
-"""What a worker does: shake a batch of cases and keep them; and how cases are put into batches."""
+"""Batches: how the cases of a study are grouped for the workers."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ PATIENCE = 300.0
 
 
 def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list[int]]]:
-    """Chains of the numbers of cases, in batches of one group each, the dearest first.
+    """Batches of chains of case numbers, of one group each, the most expensive first.
 
     A chain of which any case is to be run is run whole; cases with one key are run once.
     """
@@ -82,7 +82,7 @@ def _members(plan: Plan, heads: np.ndarray) -> dict[int, list[int]]:
 
 
 def limit(plan: Plan, chains: list[list[int]]) -> float:
-    """Seconds after which a worker with these cases is taken for hanging."""
+    """Time limit [s] of a worker with these cases, after which it counts as hanging."""
     steps = 0.0
     for chain in chains:
         for number in chain:

@@ -1,4 +1,4 @@
-"""Who does the work: this process, processes of this machine, a Dask cluster, or any executor of one's own.
+"""Executors: this process, processes of this machine, a Dask cluster, or any ``concurrent.futures.Executor``.
 
 All are a ``concurrent.futures.Executor`` behind a ``WorkerPool``, which knows how many calls it can take at a time, and
 how to go on when a worker has died or hangs.
@@ -30,17 +30,17 @@ and a worker that is being restarted is not to be given up because another resta
 
 
 class WorkerPool:
-    """An executor of one's own, with ``width`` calls at a time; what dies or hangs in it cannot be replaced."""
+    """Executor given by the user, with ``size`` calls at a time; workers that die or hang cannot be replaced."""
 
     def __init__(self, executor: Executor, size: int):
         self.executor, self.size = executor, size
 
     def submit(self, call, *arguments) -> Future:
-        """Have a call made."""
+        """Submit a call; returns its future."""
         return self.executor.submit(call, *arguments)
 
     def restart(self, *, hanging: bool) -> bool:
-        """Make good after a death or, if ``hanging``, stop all that runs; whether calls in progress are lost.
+        """Recover after a death or, if ``hanging``, stop all calls; returns whether calls in progress are lost.
 
         Raises
         ------
@@ -55,15 +55,15 @@ class WorkerPool:
         return False
 
     def stop(self) -> None:
-        """Give up what is not finished."""
+        """Cancel what is not finished."""
         self.executor.shutdown(wait=False, cancel_futures=True)
 
 
 class InProcess(Executor):
-    """Calls at once, in this process."""
+    """Executor that makes calls at once, in this process."""
 
     def submit(self, call, /, *arguments, **options) -> Future:
-        """Make the call; the future returned is finished."""
+        """Make the call; the returned future is finished."""
         future: Future = Future()
         try:
             future.set_result(call(*arguments, **options))
@@ -73,7 +73,7 @@ class InProcess(Executor):
 
 
 class Processes(WorkerPool):
-    """Fresh processes of this machine; those of a pool in which one died or hangs are replaced."""
+    """Pool of fresh processes of this machine; it is replaced when one dies or hangs."""
 
     def __init__(self, workers: int | None):
         self.size = workers or os.cpu_count() or 1
@@ -84,7 +84,7 @@ class Processes(WorkerPool):
         self.executor = ProcessPoolExecutor(self.size, mp_context=get_context("spawn"), initializer=_follow_parent)
 
     def restart(self, *, hanging: bool) -> bool:
-        """A new pool; what was in progress in the old one is lost."""
+        """Replace the pool; calls in progress are lost."""
         self.stop()
         self._start()
         return True
@@ -98,7 +98,7 @@ class Processes(WorkerPool):
 
 
 class Cluster(WorkerPool):
-    """The workers of a Dask cluster.  Dask itself sends the work of a dead worker to another."""
+    """Pool of the workers of a Dask cluster.  Dask itself sends the work of a dead worker to another."""
 
     def __init__(self, client):
         self._client = client
@@ -106,7 +106,7 @@ class Cluster(WorkerPool):
 
     @property
     def size(self) -> int:
-        """One call for each worker there is at the moment."""
+        """Number of workers at the moment, one call each."""
         return max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
 
     def restart(self, *, hanging: bool) -> bool:
@@ -131,7 +131,7 @@ class Cluster(WorkerPool):
 
 @contextmanager
 def worker_pool(kind: str | Executor, workers: int | None) -> Iterator[WorkerPool]:
-    """A pool of workers, stopped in the end.
+    """Pool of workers, stopped at the end of the context.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def _dask(kind: str, workers: int | None):
 
 @contextmanager
 def _main_hidden():
-    """A fresh process imports the script that was started.
+    """Context in which workers do not import the script that was started.
 
     The workers do not need it, and a script that calls ``run`` at its top level would start itself again in every one
     of them: so they are not told of it.
@@ -212,7 +212,7 @@ def _main_hidden():
 
 
 def _follow_parent() -> None:
-    """In a worker: Ctrl-C is the parent's business, and a worker whose parent was killed ends, too."""
+    """Initialise a worker: it ignores Ctrl-C, which is the parent's, and ends when its parent is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 

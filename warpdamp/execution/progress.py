@@ -1,4 +1,4 @@
-"""How far the runs in a folder are."""
+"""Progress of the runs in a folder."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SILENT = 12 * EVERY
 
 
 def status(folder: str | Path) -> Iterator[str]:
-    """Lines that say what is done, at work, failed and left, and how long that takes.
+    """Lines of the state of a run: cases done, failed and left, runs in progress, time left.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def _said(run: dict) -> str:
 
 
 def duration(seconds: float) -> str:
-    """In the unit that suits it."""
+    """Duration with the unit that suits it, from seconds."""
     if seconds < 90:
         return f"{seconds:.0f} s"
     if seconds < 5400:

@@ -1,4 +1,4 @@
-"""The work of one run: kernels, then beds, each once, then batches of cases."""
+"""Runner of a study's cases: compiles kernels, makes each bed once, then runs batches."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LONGEST_BED = 7200.0
 
 
 class Runner:
-    """Cases of a study, and who runs them.
+    """Runner of the cases of a study on a pool of workers.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Runner:
             seen |= needed
 
     def _make_beds(self, numbers: np.ndarray, report: Callable[[float], None]) -> dict[int, tuple[str, str]]:
-        """Make the beds; of those that cannot be made: why, and the key to look at, by their position in the plan."""
+        """Make the beds; returns (reason, key to look at) of those that fail, by position in the plan."""
         wanted = np.unique(self.plan.bed[numbers])
         examples = list(self.plan.beds.values())
 
@@ -126,7 +126,7 @@ class Runner:
             yield Job(chains, self.limit or limit(self.plan, chains))
 
     def _order(self, job: Job) -> tuple:
-        """What a worker is asked to do."""
+        """Call that a worker makes for a job, and its arguments."""
         cases, keys = self.plan.cases, self.plan.keys
         chains = [[cases.spec(number)[0] for number in chain] for chain in job.parts]
         known = {

@@ -1,4 +1,4 @@
-"""Finished cases on disk: immutable shards, of which what is done is the union.
+"""Store of finished cases on disk: immutable shards, whose union is what is done.
 
 A shard is a small netCDF file that holds the cases of one batch.  It is written aside, flushed to disk and renamed, and
 its name is the hash of its content: a shard that was cut short or altered is known at once, moved aside, and its
@@ -42,7 +42,7 @@ class Finished:
         return len(self.keys)
 
     def rows(self, keys: np.ndarray) -> np.ndarray:
-        """(n,) the row of each key; -1 where it is not there."""
+        """Row of each key, (n,); -1 where it is missing."""
         if not len(self):
             return np.full(len(keys), -1)
         at = np.searchsorted(self.keys, keys)
@@ -51,12 +51,12 @@ class Finished:
 
     @property
     def status(self) -> np.ndarray:
-        """How they ended."""
+        """Numbers of ``warpdamp.status.Status``, (n,)."""
         return self.values.get("status", np.zeros(0, np.int64))
 
 
 class Store:
-    """A folder of shards.
+    """Store of shards in a folder.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class Store:
 
     @classmethod
     def existing(cls, folder) -> Store:
-        """The store in a folder, or the only one below it.
+        """Store in a folder, or the only one below it.
 
         Raises
         ------
@@ -88,7 +88,7 @@ class Store:
         raise StoreError(f"{folder}: is no folder of a sweep: {which}")
 
     def write(self, rows: list[tuple[bytes, dict]]) -> Path:
-        """Keep cases, given as (key, values), in one shard; it is there whole or not at all.
+        """Write cases, given as (key, values), to one shard, whole or not at all; returns its path.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class Store:
         return path
 
     def read(self, names: tuple[str, ...] | None = None, *, repair: bool = False) -> Finished:
-        """The union of all shards; where a case is there more than once, one that ended well.
+        """Read the union of all shards; of a case with several rows, the one that got furthest.
 
         Parameters
         ----------
@@ -143,13 +143,13 @@ class Store:
             _log.warning("%s is damaged (its content is not what was written): %s", path, where)
 
     def remove_leftovers(self) -> None:
-        """Remove what killed writers left; only while no other runner is at work."""
+        """Remove temporary files of killed writers; only while no other run is in progress."""
         for path in [*self.folder.glob("*/.*.tmp"), *self.folder.glob(".*.tmp")]:
             path.unlink(missing_ok=True)
 
     @contextmanager
     def lock(self, part: tuple[int, int] | None):
-        """Hold the folder, or one part of it, while a run is at work in it.
+        """Hold the folder, or one part of it, during a run.
 
         The system gives the hold up when the process ends, however it ends.
 
@@ -177,7 +177,7 @@ class Store:
         )
 
     def in_use(self) -> bool:
-        """Whether a run is at work in the folder."""
+        """Whether a run is in progress in the folder."""
         with locked(self.folder / ".lock", shared=False) as free:
             return not free
 
@@ -191,7 +191,7 @@ def _missing(name: str, n: int) -> np.ndarray:
 
 
 def _packed(rows: list[tuple[bytes, dict]]) -> bytes:
-    """A shard's content."""
+    """Content of a shard."""
     from netCDF4 import Dataset
 
     names = dict.fromkeys(name for _, values in rows for name in values if name != "message")
@@ -227,7 +227,7 @@ def _unpacked(content: bytes, names) -> Finished:
 
 
 def _each_once(every: Finished) -> Finished:
-    """Sorted by key; of several with one key, the one that got furthest."""
+    """Cases sorted by key; of several with one key, the one that got furthest."""
     order = np.lexsort((every.status, every.keys))
     keys = every.keys[order]
     first = np.concatenate([[True], keys[1:] != keys[:-1]])

@@ -1,4 +1,4 @@
-"""What a worker does: shake a batch of cases and keep them."""
+"""Work of a worker: make a bed, or run a batch of cases and store it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Work:
 
 @dataclass
 class Outcome:
-    """What a worker tells of a batch; the results themselves are on disk.
+    """Summary of a batch; the results themselves are on disk.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class Outcome:
 
 
 def shake_and_keep(folder: str, work: Work) -> Outcome:
-    """Run a batch and keep it in a shard of the store in ``folder``.
+    """Run a batch and write it to a shard of the store in ``folder``.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def shake_and_keep(folder: str, work: Work) -> Outcome:
 
 
 def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int, ...], dict]]:
-    """Results of chains; one that raises is a value with a message, and does not take others along."""
+    """Results of chains; a chain that raises becomes values with a message, and does not affect the others."""
     from ..damper.shake import shake
 
     try:
@@ -97,7 +97,7 @@ def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[in
 
 
 def make_bed(request: Request) -> tuple[str, str] | None:
-    """Make a bed and keep it; if that cannot be, what to say, and the configuration's key to look at."""
+    """Make a bed and store it; returns None, or why that failed and the configuration's key to look at."""
     from ..damper.preparation import prepare
 
     with _alone:
@@ -113,7 +113,7 @@ def make_bed(request: Request) -> tuple[str, str] | None:
 
 
 class _listening(logging.Handler):
-    """Collects what warpdamp logs."""
+    """Logging handler that collects what warpdamp logs."""
 
     def __enter__(self) -> list[tuple[int, str]]:
         self.said: list[tuple[int, str]] = []
