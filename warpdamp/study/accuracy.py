@@ -1,4 +1,4 @@
-"""What accuracy costs: one scene, or a few points of a sweep, along each numerical choice.
+"""Accuracy study: error and cost of each numerical choice, at one scene or a few points of a sweep.
 
 Every variation of a choice runs from the same beds for the same number of cycles, and its per-cycle energies are kept;
 errors, costs, budget and cheapest settings are all read off those series.  The reference of a point is its finest step
@@ -50,23 +50,23 @@ USUAL = {
 
 @dataclass(frozen=True)
 class Variation:
-    """One way to simulate a point: a choice, and what was chosen."""
+    """Variation of one numerical choice from what is usual."""
 
     choice: str
     value: Any
 
     @property
     def label(self) -> str:
-        """As ``steps_per_contact=16``."""
+        """Label of the variation, as ``steps_per_contact=16``."""
         return f"{self.choice}={self.value:g}" if isinstance(self.value, float) else f"{self.choice}={self.value}"
 
     @property
     def settings(self) -> dict:
-        """All numerical choices."""
+        """Numerical choices of the variation, all by name."""
         return USUAL | {self.choice: self.value}
 
     def of(self, spec: Spec) -> Spec:
-        """The case that it makes of a case."""
+        """Case with the variation applied."""
         settings = self.settings
         numerics = replace(spec.bed.numerics, precision=settings["precision"])
         scene = softened(spec.scene, settings["stiffness"])
@@ -76,7 +76,7 @@ class Variation:
 
 
 def softened(scene: Scene, factor: float) -> Scene:
-    """The same with every Young's modulus multiplied by ``factor``."""
+    """Scene with every Young's modulus multiplied by ``factor``."""
     if factor == 1:
         return scene
 
@@ -89,7 +89,7 @@ def softened(scene: Scene, factor: float) -> Scene:
 
 
 def variations() -> list[Variation]:
-    """All that take runs of their own."""
+    """Variations that need runs of their own."""
     return [Variation(choice, value) for choice, values in CHOICES.items() for value in values]
 
 
@@ -185,7 +185,7 @@ def study(
 
 
 def points_of(config: Config, most: int = 6) -> list[Spec]:
-    """A few cases that span a study: of every frequency the Gammas at a third and two thirds of its list, all seeds."""
+    """Few cases that span a study: at every frequency the Gammas at a third and two thirds of its list, all seeds."""
     from ..sweep.cases import Cases
 
     specs = list(Cases(config).specs())

@@ -1,4 +1,4 @@
-"""What a particle-step costs on this machine, by effects: measured, kept on disk, and read by ``explain``."""
+"""Cost of a particle-step on this machine, by effects: measured, stored on disk, and read by ``explain``."""
 
 from __future__ import annotations
 
@@ -40,24 +40,24 @@ SIMPLEST = Effects(friction=False, rotation=False, dashpots=False, gravity=False
 
 
 def without(effects: Effects, name: str) -> Effects:
-    """The same with one effect off."""
+    """Effects with one of them off."""
     return replace(effects, **TOGGLES[name])
 
 
 def within(effects: Effects, name: str) -> Effects:
-    """The same with one effect on."""
+    """Effects with one of them on."""
     return replace(effects, **dict.fromkeys(TOGGLES[name], True))
 
 
 def paper_scene(gamma: float = GAMMA) -> Scene:
-    """The paper's damper, shaken at ``FREQUENCY``."""
+    """Scene of the paper's damper, shaken at ``FREQUENCY``."""
     pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
     drive = Drive(FREQUENCY, gamma * STANDARD_GRAVITY)
     return Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04), drive=drive)
 
 
 def jammed_bed() -> tuple[Scene, State]:
-    """The paper's bed pressed against the floor, a quarter cycle into its fifth at Gamma 1."""
+    """Bed of the paper pressed against the floor, a quarter cycle into its fifth at Gamma 1, with its scene."""
     scene = paper_scene(1.0)
     loose = prepare(Request(scene, Grains.alike(RADIUS, COUNT), 1, "loose")).state
     batch = Batch([Case(scene, loose, 1 / FREQUENCY / STEPS_PER_CYCLE)])
@@ -66,14 +66,14 @@ def jammed_bed() -> tuple[Scene, State]:
 
 
 def frozen(every: list[Effects], *, bed=None, rounds: int = 9, steps: int = 4000) -> dict[Effects, list[float]]:
-    """Nanoseconds of processor time per particle-step on one frozen set of contacts, the effects in turn."""
+    """Processor time per particle-step [ns] on one frozen set of contacts, by effects, measured in turn."""
     scene, state = bed or jammed_bed()
     batches = [Batch([Case(scene.driven(None), state, STILL)], effects=effects) for effects in every]
     return _alternating(every, batches, rounds, steps)
 
 
 def moving(every: list[Effects], *, rounds: int = 9) -> dict[Effects, list[float]]:
-    """The same in the paper's scene at Gamma 6, a cycle a round; each set of effects moves its bed its own way."""
+    """Processor time per particle-step [ns] in the paper's scene at Gamma 6, by effects, a cycle a round."""
     scene = paper_scene()
     loose = prepare(Request(scene, Grains.alike(RADIUS, COUNT), 1, "loose")).state
     case = Case(scene, loose, 1 / FREQUENCY / STEPS_PER_CYCLE)
@@ -104,7 +104,7 @@ def _machine() -> str:
 
 
 def remember(measured: Callable, spent: dict[Effects, list[float]]) -> None:
-    """Keep the medians of what was ``measured``, ``frozen`` or ``moving``, for ``explain``."""
+    """Store the medians of what was ``measured``, ``frozen`` or ``moving``, for ``explain``."""
     kept = _kept() | {_key(measured, effects): statistics.median(times) for effects, times in spent.items()}
     path = _file()
     told = {"machine": _machine(), "date": f"{time.strftime('%Y-%m-%d')}", "nanoseconds": kept}
@@ -113,7 +113,7 @@ def remember(measured: Callable, spent: dict[Effects, list[float]]) -> None:
 
 
 def recall(measured: Callable, effects: Effects) -> float | None:
-    """Nanoseconds per particle-step as last ``measured`` on this machine; None if never."""
+    """Time per particle-step as last ``measured`` on this machine [ns]; None if never."""
     return _kept().get(_key(measured, effects))
 
 
@@ -130,7 +130,7 @@ def _kept() -> dict[str, float]:
 
 
 def measure_study(config) -> None:
-    """Measure what the cases of a study cost, and what each of their effects does."""
+    """Measure the cost of a study's cases, and of each of their effects."""
     from ..sweep.cases import Cases
     from ..sweep.plan import plan
 

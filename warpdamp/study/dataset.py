@@ -1,4 +1,4 @@
-"""The cases of a study as one Dataset, and the modal damping they give."""
+"""Dataset of a study's cases, and the modal damping they give."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ MODAL = {
 
 
 def assemble(plan: Plan, finished: Finished) -> xr.Dataset:
-    """Put finished cases where they belong; those that are missing are NaN, and ``status`` says so.
+    """Dataset of finished cases; those that are missing are NaN, as ``status`` says.
 
     Scalars that change together share the dimension ``case`` and are its coordinates; every other swept scalar has a
     dimension of its own, beside frequency, gamma and seed.
@@ -96,7 +96,7 @@ def _table(plan: Plan, finished: Finished) -> dict[str, np.ndarray]:
 
 
 def _coordinates(cases: Cases) -> dict:
-    """Of every dimension, and of what changes along ``case``."""
+    """Coordinates of every dimension, and of what changes along ``case``."""
     config, names = cases.config, cases.names()
     coords: dict = {}
     own = {FREQUENCY: _frequencies(cases), GAMMA: cases.gammas, SEED: cases.seeds}
@@ -166,7 +166,7 @@ def _modal(cases: Cases, dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _with_seeds_that_ran(dataset: xr.Dataset, config: Config) -> xr.Dataset:
-    """Without the packings that the tolerance did not call for at any point."""
+    """Dataset without the packings that the tolerance required at no point."""
     ran = dataset["status"] != NOT_RUN
     if config.accuracy is None or "seed" not in dataset.dims or not ran.any():
         return dataset
@@ -174,7 +174,7 @@ def _with_seeds_that_ran(dataset: xr.Dataset, config: Config) -> xr.Dataset:
 
 
 def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
-    """Mean over the packings of every point, what it is worth, and whether that is what was asked for."""
+    """Mean over the packings of every point, its uncertainty, and whether that is within the tolerance."""
     import xarray as xr
 
     def over_packings(name):

@@ -1,4 +1,4 @@
-"""What a study will simulate, why, and what it will take: told before anything runs."""
+"""Explanation of a study before it runs: what is simulated, why, and what it takes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ PROCESS_MEMORY = 0.3e9
 
 @dataclass(frozen=True)
 class Explanation:
-    """An effect: whether it is simulated, the line that calls for it, and what it costs.
+    """Explanation of an effect: whether it is simulated, the line that requires it, and its cost.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Explanation:
 
 
 def effects_of(config: Config, spec: Spec) -> list[Explanation]:
-    """Every effect of a case."""
+    """Explanations of all effects of a case."""
     from .cost import TOGGLES, frozen, recall, without
 
     effects = spec.effects
@@ -101,7 +101,7 @@ def _line(config: Config, key: str, value: str) -> str:
 
 
 def explain(config: Config, *, workers: int | None = None) -> str:
-    """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled."""
+    """Explanation of a study as text: effects, step, cases, time, memory, and what is not modelled."""
     from ..sweep.cases import Cases
     from ..sweep.plan import plan
     from ..sweep.resolve import applied, settled
@@ -204,7 +204,7 @@ def _price(made: Plan, numbers, workers):
 
 
 def case_bytes(effects: Effects, particles: int, rows: int) -> float:
-    """Memory on the device that a case takes, with so many ledger rows [bytes]."""
+    """Memory of a case on the device, with ``rows`` ledger rows [bytes]."""
     from ..engine.arrays import particle_bytes
     from ..kernels.structs import types
 

@@ -1,4 +1,4 @@
-"""The order of the work: configuration -> cases -> beds -> batches -> store -> Dataset."""
+"""Run of a study: configuration -> cases -> beds -> batches -> store -> Dataset."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def carry_out(
 
 
 def _further(made: Plan, kept: Store, part: tuple[int, int] | None, tried: np.ndarray) -> Iterator[np.ndarray]:
-    """Numbers of the cases that the results of those before call for, round by round; each is tried once."""
+    """Numbers of the cases that the results so far require, round by round; each is tried once."""
     while made.cases.config.accuracy is not None:
         numbers = np.setdiff1d(_left(made, kept, part), tried)
         if not len(numbers):
@@ -129,7 +129,7 @@ def _further(made: Plan, kept: Store, part: tuple[int, int] | None, tried: np.nd
 
 
 def collect(store: str | Path) -> xr.Dataset:
-    """What is done of the study in a store, at any moment, as one Dataset.
+    """Dataset of what is done of the study in a store, at any moment.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def collect(store: str | Path) -> xr.Dataset:
 
 
 def _collected(made: Plan, kept: Store) -> xr.Dataset:
-    """All that is done, if anything is.
+    """Dataset of what is done, unless every case failed.
 
     Raises
     ------
@@ -154,14 +154,14 @@ def _collected(made: Plan, kept: Store) -> xr.Dataset:
 
 
 def _with_accessor(dataset: xr.Dataset) -> xr.Dataset:
-    """The Dataset, once ``dataset.damper`` is there."""
+    """Register ``dataset.damper``; returns the Dataset."""
     from .. import accessor  # noqa: F401  it registers itself with xarray, which takes its time to import
 
     return dataset
 
 
 def _raise_if_all_failed(made: Plan, finished: Finished) -> None:
-    """One bad case of a sweep is a value; a study of which nothing is left is an error.
+    """Raise if every case failed; a single failed case of a sweep is a value.
 
     Raises
     ------
@@ -180,7 +180,7 @@ def _raise_if_all_failed(made: Plan, finished: Finished) -> None:
 
 
 def _left(made: Plan, kept: Store, part: tuple[int, int] | None) -> np.ndarray:
-    """Numbers of the cases to run: called for, of this part, and not in the store."""
+    """Numbers of the cases to run: needed, of this part, and not in the store."""
     finished = kept.read(NEEDED, repair=True)
     numbers = needed_cases(made, finished)
     if part is not None:
@@ -192,7 +192,7 @@ def _left(made: Plan, kept: Store, part: tuple[int, int] | None) -> np.ndarray:
 
 
 def _first_packings(made: Plan) -> np.ndarray:
-    """For every case the one by which it is dealt to a part: itself or, with a tolerance, its point's first packing.
+    """Case by which each is assigned to a part: itself or, with a tolerance, its point's first packing.
 
     Whether a point needs another packing is seen only by who has the others.
     """
@@ -201,7 +201,7 @@ def _first_packings(made: Plan) -> np.ndarray:
 
 
 def _refuse_what_does_not_fit(made: Plan) -> None:
-    """A single bed that cannot be made is refused before anything long starts; one of several is a failed case.
+    """Refuse a single bed that cannot be made before anything long starts; one of several is a failed case.
 
     Raises
     ------
