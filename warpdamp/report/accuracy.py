@@ -1,4 +1,4 @@
-"""Pictures of an accuracy study: error against cost, and what the error is made of."""
+"""Figures of an accuracy study: error against cost, and the parts of the error."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PARTS = ("step", "float32 instead of float64", "averaging", "packing")
 
 
 def work_precision(runs: xr.Dataset) -> Figure:
-    """Relative error against core-seconds, log-log, a panel for each point, a line for each choice.
+    """Figure of relative error against core-seconds, log-log, a panel for each point, a line for each choice.
 
     Systematic choices at the cost of the point's own run with them; averages over cycles and packings at the cost of as
     many; the dashed front is the least cost of any combination.
@@ -89,7 +89,7 @@ def _panel(ax, runs, errors):
 
 
 def budget(runs: xr.Dataset) -> Figure:
-    """What the error of a usual answer is made of: 24 steps a contact, float64, 60 cycles averaged, three beds."""
+    """Figure of the parts of a usual answer's error: 24 steps a contact, float64, 60 cycles averaged, three beds."""
     from matplotlib.figure import Figure
 
     parts = budget_table(runs)
@@ -106,7 +106,7 @@ def budget(runs: xr.Dataset) -> Figure:
 
 
 def budget_table(runs: xr.Dataset, *, cycles: int = 60, packings: int = 3) -> list[tuple[float, ...]]:
-    """Relative errors of ``PARTS`` at every point."""
+    """Relative errors of ``PARTS`` at every point [-]."""
     errors = systematic(runs)
     table = []
     for p in range(runs.sizes["point"]):

@@ -1,4 +1,4 @@
-"""Pictures of coupled runs; knows nothing but Datasets."""
+"""Figures of coupled runs, from their Dataset alone."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def answers(runs: xr.Dataset) -> Figure:
-    """Acceleration over time for each level (first seed), and beside it what was read off the records.
+    """Figure of acceleration over time for each level (first seed), and of what is identified from the records.
 
     That is damping and frequency over Gamma with one mode and a harmonic force (steady windows) or a release, the
     accelerance with any other force.

@@ -1,4 +1,4 @@
-"""Pictures of a Dataset; knows nothing else."""
+"""Figures of a results Dataset."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MANY = 6
 
 
 def draw(dataset: xr.Dataset) -> Figure:
-    """The picture that the dimensions of a Dataset ask for: curves over Gamma, maps, or scattered cases.
+    """Figure that suits the dimensions of a Dataset: curves over Gamma, maps, or scattered cases.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 
 def curves(dataset: xr.Dataset) -> Figure:
-    """Damping ratio against Gamma, one panel a mode, or effectiveness, one panel a frequency.
+    """Figure of damping ratio against Gamma, one panel a mode, or of effectiveness, one panel a frequency.
 
     Error bars are standard errors, hollow points not steady (see ``status``); swept scalars become lines, and where
     there are too many of them, further panels.

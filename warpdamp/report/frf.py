@@ -1,4 +1,4 @@
-"""Pictures of frequency responses, and of what changes with Gamma; knows nothing but Datasets."""
+"""Figures of frequency responses, and of modal properties over Gamma, from Datasets alone."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ WINDOW = 5.0
 
 
 def families(frf: xr.Dataset) -> Figure:
-    """Accelerance at controlled Gamma, one panel a mode, lines coloured by Gamma."""
+    """Figure of the accelerance at controlled Gamma, one panel a mode, lines coloured by Gamma."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -45,7 +45,7 @@ def families(frf: xr.Dataset) -> Figure:
 
 
 def force_curves(*responses: xr.Dataset) -> Figure:
-    """Response at constant force, one panel a Dataset, lines coloured by the force.
+    """Figure of the response at constant force, one panel a Dataset, lines coloured by the force.
 
     Dashed where unstable, thin where Gamma lies outside the range of the damper's results.
     """
@@ -85,7 +85,7 @@ def _branch(ax, branch, colour, label) -> None:
 
 
 def against_gamma(corrected: xr.Dataset, fitted: xr.Dataset | None = None) -> Figure:
-    """Natural frequency and damping ratio of every mode against Gamma, corrected and not, and as fitted to FRFs."""
+    """Figure of every mode's natural frequency and damping ratio over Gamma: corrected, not, and fitted to FRFs."""
     from matplotlib.figure import Figure
 
     modes = corrected.sizes["mode"]
@@ -117,7 +117,7 @@ def against_gamma(corrected: xr.Dataset, fitted: xr.Dataset | None = None) -> Fi
 
 
 def fitted_curves(fitted: xr.Dataset) -> Figure:
-    """Frequency and damping of every mode against Gamma, as fitted to FRFs by every method."""
+    """Figure of every mode's frequency and damping over Gamma, as fitted to FRFs by every method."""
     from matplotlib.figure import Figure
 
     modes = fitted.sizes["mode"]

@@ -1,4 +1,4 @@
-"""Pictures of sweeps: maps over frequency and Gamma, and scattered cases."""
+"""Figures of sweeps: maps over frequency and Gamma, and scattered cases."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _maps(value: xr.DataArray, **style):
 
 
 def phase_map(dataset: xr.Dataset) -> Figure:
-    """Effectiveness over frequency and Gamma, mean over seeds, one panel a combination of the other scalars.
+    """Map of effectiveness over frequency and Gamma, mean over seeds, one panel a combination of the other scalars.
 
     Dashed: eq. 1 with the clearance measured.  Dotted: the same with gravity along the axis.  Points with error bars:
     the optima found, of fluidisation (circles) and of two-sided collision (squares).
@@ -59,7 +59,7 @@ def phase_map(dataset: xr.Dataset) -> Figure:
 
 
 def regime_map(dataset: xr.Dataset) -> Figure:
-    """Regimes of motion over frequency and Gamma, one panel a combination of the other scalars; see ``regimes``.
+    """Map of regimes of motion over frequency and Gamma, one panel a combination of the other scalars.
 
     Of several seeds the first is shown: labels have no mean.
     """
@@ -102,7 +102,7 @@ def _lines(ax, dataset, panel) -> None:
 
 
 def scattered(dataset: xr.Dataset) -> Figure:
-    """Effectiveness of cases against each of the scalars that change together; colour: Gamma, where it is one."""
+    """Figure of effectiveness against each of the scalars that change together; colour: Gamma, where it is one."""
     value, _ = over_packings(dataset, "effectiveness")
     names = [
         name for name, c in dataset.coords.items() if c.dims == ("case",) and name != "case" and c.dtype.kind in "iuf"

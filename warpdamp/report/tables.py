@@ -1,4 +1,4 @@
-"""What a person reads in the terminal after a run."""
+"""Tables and sentences for the terminal after a run."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def modes_table(modes) -> Table:
-    """Number, frequency, shape at the damper, modal mass and, where there is any, inherent damping of each mode."""
+    """Table of modes: number, frequency, shape at the damper, modal mass and, if any, inherent damping."""
     damped = int(np.any(modes.inherent_damping > 0))
     table = _table("mode", "f [Hz]", "phi [kg^-½]", "modal mass [kg]", *["inherent damping"] * damped)
     for number, frequency, amplitude, mass, damping in zip(
@@ -36,7 +36,7 @@ MOST_ROWS = 40
 
 
 def summary(dataset: xr.Dataset) -> Table:
-    """Per mode or frequency, and swept value: f, phi and the peaks of the curve; without curves, the best cases."""
+    """Table of the peaks of each curve, by mode or frequency and swept value; without curves, the best cases."""
     if "gamma" not in dataset.dims or "effectiveness" not in dataset:
         return _best(dataset)
     modal = "damping_ratio" in dataset
@@ -62,7 +62,7 @@ def summary(dataset: xr.Dataset) -> Table:
 
 
 def _best(dataset: xr.Dataset) -> Table:
-    """The ten cases of the highest effectiveness."""
+    """Table of the ten cases of highest effectiveness."""
     names = [str(name) for name in dataset.coords if name != "preparation" or dataset[name].ndim]
     table = _table(*names, "effectiveness")
     if "effectiveness" in dataset:
@@ -78,7 +78,7 @@ def _best(dataset: xr.Dataset) -> Table:
 
 
 def _peak(peak, gammas, status) -> str:
-    """A peak in words; what may hide a higher one is said."""
+    """Text of a peak; what may hide a higher one is noted."""
     notes = []
     if peak.gamma in (gammas[0], gammas[-1]):
         notes.append("the edge of what was run")
@@ -99,7 +99,7 @@ def _line_head(dataset, at):
 
 
 def fits_table(fitted: xr.Dataset) -> Table:
-    """Per mode: frequency and damping ratio by every method, with standard errors; over several Gammas without."""
+    """Table of frequency and damping ratio of each mode by every method; over several Gammas without errors."""
     several = "gamma" in fitted.dims
     methods = [str(name) for name in fitted["fit"].values]
     table = _table("mode", *(["Γ"] if several else []), "f [Hz]", *methods)
@@ -116,7 +116,7 @@ def fits_table(fitted: xr.Dataset) -> Table:
 
 
 def accuracy_table(runs: xr.Dataset) -> Table:
-    """Of an accuracy study: the cheapest settings for 10, 5, 2 and 1 %, and what they cost, at every point."""
+    """Table of an accuracy study: the cheapest settings for 10, 5, 2 and 1 % at every point, and their cost."""
     from ..analysis.accuracy import chance, cheapest, step_errors, systematic
 
     tolerances = (0.1, 0.05, 0.02, 0.01)
@@ -138,14 +138,14 @@ def accuracy_table(runs: xr.Dataset) -> Table:
 
 
 def _value(value, error) -> str:
-    """A number, with its standard error where there is one."""
+    """Text of a number, with its standard error if it has one."""
     if np.isnan(value):
         return "-"
     return f"{float(value):.5g}" + (f" ± {float(error):.1g}" if np.isfinite(error) else "")
 
 
 def verdicts(dataset: xr.Dataset) -> list[str]:
-    """How the cases ended, worst first, in sentences; and how well the ledger closed."""
+    """Sentences on how the cases ended, worst first, and how well the ledger closed."""
     status = dataset["status"].values
     ran = np.sum(status != NOT_RUN)
     ends = [s for s in reversed(Status) if s != NOT_RUN and np.any(status == s)]
