@@ -92,7 +92,7 @@ def _part(text: str | None) -> tuple[int, int] | None:
 
 @contextmanager
 def _stoppable(store: Path):
-    """Ctrl-C, or a scheduler's polite end, stops a run and says how to go on."""
+    """Context in which Ctrl-C or SIGTERM stops a run and says how to continue it."""
     import signal
 
     def stop(*_):

@@ -1,4 +1,4 @@
-"""The commands about structures: modes, FRFs, fits, coupled runs."""
+"""Commands about structures: modes, FRFs, fits, coupled runs."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def modes(
 
 
 def _write_modes(modes: Modes, path: Path, title: str) -> None:
-    """A picture, a table or a universal file, as the suffix says."""
+    """Write modes as a picture, a table or a universal file, as the suffix says."""
     from ..modal.export import export
     from ..report.figures import PICTURES, save
     from ..report.mode_shapes import shapes
