@@ -1,4 +1,4 @@
-"""Every variable of the results, with its units and what it means."""
+"""Variables of the results, with their units and meanings."""
 
 from __future__ import annotations
 

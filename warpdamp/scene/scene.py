@@ -314,7 +314,7 @@ class Scene:
         return self.wall_contact if isinstance(self.wall_contact, Surface) else self.wall_contact[i]
 
     def surfaces(self) -> list[Surface]:
-        """All surfaces of the scene: of every pair of species and, in an enclosure, of every species with the walls."""
+        """Surfaces of every pair of species and, in an enclosure, of every species with the walls."""
         species = range(len(self.materials))
         pairs = [self.pair_surface(i, j) for i in species for j in species if i <= j]
         return pairs + ([self.wall_surface(i) for i in species] if self.enclosure else [])
