@@ -56,11 +56,22 @@ class Request:
         Its drive does not matter.
     grains : Grains
     seed : int
+        Seed of the random placement.
     preparation : "loose" or "compacted"
-    settling_time : [s] or None
-        A fixed time to settle in, as in the paper, instead of until at rest.
+        See ``warpdamp.damper.preparation``.
+    settling_time : float or None
+        Fixed time to settle in [s], as in the paper, instead of until at rest.
     numerics : Numerics
         A study may take fewer steps a contact than usual, a bed is not made with fewer: compacting takes half of them.
+
+    Examples
+    --------
+    >>> from warpdamp import Cylinder, Grains, Material, Request, Scene, Surface
+    >>> pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    >>> scene = Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04))
+    >>> one, other = (Request(scene, Grains.alike(3.73e-3, 120), seed, "compacted") for seed in (1, 2))
+    >>> one.key() == other.key()
+    False
     """
 
     scene: Scene
@@ -86,10 +97,14 @@ class Criteria:
 
     Parameters
     ----------
-    standard_error : asked for, relative to the energy per cycle
-    slack : drift and imbalance that do not matter, relative to the energy per cycle
-    fewest, most : cycles to run
-    fixed : average over the last two thirds of ``most`` cycles instead, whatever the series does
+    standard_error : float
+        Standard error asked for, relative to the energy per cycle [-].
+    fewest, most : int
+        Cycles to run.
+    fixed : bool
+        Average over the last two thirds of ``most`` cycles instead, whatever the series does.
+    slack : float
+        Drift and imbalance that do not matter, relative to the energy per cycle [-].
     """
 
     standard_error: float = 0.02

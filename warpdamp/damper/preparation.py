@@ -81,6 +81,15 @@ def prepare(request: Request) -> Packing:
     ------
     PackingError
         If the particles do not fit (with the fill asked for and the fill reached) or do not come to rest.
+
+    Examples
+    --------
+    >>> from warpdamp import Cylinder, Grains, Material, Request, Scene, Surface, prepare
+    >>> pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    >>> scene = Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04))
+    >>> bed = prepare(Request(scene, Grains.alike(3.73e-3, 10), seed=1, preparation="loose"))
+    >>> round(1e3 * bed.clearance, 1)  # one layer: the height less a diameter, 40 - 7.46 [mm]
+    32.5
     """
     path = cache_folder("beds") / f"{request.key()}.npz"
     if (stored := _stored(path)) is not None:

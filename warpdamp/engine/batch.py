@@ -350,10 +350,17 @@ class Simulation(Batch):
 
     Examples
     --------
-    >>> ball = State.at_rest([[0, 0, 0.02]], radius=0.00373)
-    >>> simulation = Simulation(scene, ball, dt=1e-6)
-    >>> simulation.advance(10_000)
+    >>> from warpdamp import Cylinder, Material, Scene, Simulation, State, Surface
+    >>> pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    >>> scene = Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04))
+    >>> ball = State.at_rest([[0, 0, 0.02]], radius=3.73e-3)
+    >>> simulation = Simulation(scene, ball, dt=2e-6)
+    >>> simulation.advance(20_000)
     >>> state, ledger = simulation.read()
+    >>> round(1e3 * float(state.position[0, 2]), 2)  # after 40 ms of free fall, 20 mm - g t^2 / 2 [mm]
+    12.15
+    >>> bool(abs(ledger.residual[-1]) < 1e-12)  # [J]
+    True
     """
 
     def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None, device: str = DEVICE):

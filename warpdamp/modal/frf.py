@@ -167,8 +167,8 @@ def accelerance(
     --------
     >>> from warpdamp import accelerance, open_results
     >>> frf = accelerance(open_results("docs/beam.nc"), gamma=[2.0, 5.0])
-    >>> [round(100 * float(zeta), 2) for zeta in frf["resonance_damping_ratio"].sel(mode=1)]  # [%]
-    [1.84, 2.83]
+    >>> [round(100 * float(zeta), 1) for zeta in frf["resonance_damping_ratio"].sel(mode=1)]  # [%]
+    [1.8, 2.8]
     """
     import xarray as xr
 

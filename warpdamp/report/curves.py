@@ -24,10 +24,19 @@ MANY = 6
 def draw(dataset: xr.Dataset) -> Figure:
     """Figure that suits the dimensions of a Dataset: curves over Gamma, maps, or scattered cases.
 
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
     Raises
     ------
     ValueError
-        If nothing is finished.
+        If no case is finished.
     """
     if "effectiveness" not in dataset or not np.isfinite(dataset["effectiveness"]).any():
         raise ValueError("no case is finished yet: there is nothing to draw")
@@ -44,6 +53,15 @@ def curves(dataset: xr.Dataset) -> Figure:
 
     Error bars are standard errors, hollow points not steady (see ``status``); swept scalars become lines, and where
     there are too many of them, further panels.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results with the dimension ``gamma``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
     """
     modal = "damping_ratio" in dataset
     if modal:

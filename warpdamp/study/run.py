@@ -43,20 +43,26 @@ def run(
 
     Parameters
     ----------
-    config : Config or path of a YAML file
-    store : folder in which every case is kept as soon as its batch is done, and from which a study that was
-        interrupted, or enlarged, goes on (default: none is kept)
-    executor : "processes", "in-process", "dask" (a cluster started here), the address of a Dask scheduler, or an
-        ``concurrent.futures.Executor``
-    workers : how many (default: the cores of this machine)
-    quick : run ``shortened(config)``
-    limit : seconds after which a batch is taken for hanging (default: far above what it may take)
-    report : called as ``report(stage, part_done)``
+    config : Config, str or Path
+        Configuration, or its YAML file.
+    store : str or Path, optional
+        Folder in which every case is stored as soon as its batch is done, and from which a study that was interrupted,
+        or enlarged, continues (default: nothing is stored).
+    executor : str or concurrent.futures.Executor
+        "processes", "in-process", "dask" (a cluster started here), the address of a Dask scheduler, or an Executor.
+    workers : int, optional
+        Number of workers (default: the cores of this machine).
+    quick : bool
+        Run ``shortened(config)``, a first look.
+    limit : float, optional
+        Seconds after which a batch counts as hanging (default: far above what it may take).
+    report : callable
+        Called as ``report(stage, part_done)``, ``part_done`` from 0 to 1.
 
     Returns
     -------
     xarray.Dataset
-        See ``warpdamp.results.VARIABLES`` for its variables.
+        See ``warpdamp.variables.VARIABLES`` for its variables.
 
     Raises
     ------
@@ -65,7 +71,29 @@ def run(
     SimulationError
         If every case failed.
     StoreError
-        If the store cannot be written, or another run is at work in it.
+        If the store cannot be written, or another run is in progress in it.
+    ValueError
+        If there is no such executor, or fewer than one worker.
+
+    Examples
+    --------
+    >>> import warpdamp
+    >>> study = warpdamp.Config(  # or a path, as "configs/beam.yaml"
+    ...     damper={
+    ...         "enclosure": {"diameter": "40 mm", "height": "40 mm", "material": "pmma"},
+    ...         "particles": {"count": 12, "radius": "3.73 mm", "material": "pmma"},
+    ...     },
+    ...     materials={"pmma": {"density": "920 kg/m^3", "youngs_modulus": "3.3 GPa", "poissons_ratio": 0.37}},
+    ...     contact={"restitution": 0.52, "friction": 0.86},
+    ...     excitation={"frequency": "46 Hz", "gamma": [4, 8]},
+    ...     preparation="loose",
+    ...     steady_state={"fewest_cycles": 8, "most_cycles": 8},
+    ... )
+    >>> results = warpdamp.run(study, executor="in-process")
+    >>> dict(results.sizes)
+    {'frequency': 1, 'gamma': 2, 'seed': 1}
+    >>> bool((results["ledger_residual"] < 0.02).all())
+    True
     """
     with TemporaryDirectory(prefix="warpdamp-") as scratch:
         folder = Path(store or scratch)
@@ -88,7 +116,28 @@ def carry_out(
 
     Parameters
     ----------
-    part : (k, n) for the k-th of n parts, which may run side by side; together they are the whole
+    config : Config, str or Path
+        Configuration, or its YAML file.
+    store : str or Path
+        Folder of the finished cases; made if it does not exist.
+    part : (int, int), optional
+        (k, n) for the k-th of n parts, which may run at the same time; together they are the whole.
+    executor, workers, quick, limit, report
+        See ``run``.
+
+    Returns
+    -------
+    Plan
+        All cases of the study, those of other parts among them.
+
+    Raises
+    ------
+    ConfigError
+        If the configuration cannot be run, or its beds cannot be made.
+    StoreError
+        If the store cannot be written, or another run is in progress in it or in this part.
+    ValueError
+        If there is no such executor, or fewer than one worker.
     """
     from ..execution.executors import worker_pool
     from ..execution.run_log import RunLog
@@ -130,6 +179,16 @@ def _further(made: Plan, kept: Store, part: tuple[int, int] | None, tried: np.nd
 
 def collect(store: str | Path) -> xr.Dataset:
     """Dataset of what is done of the study in a store, at any moment.
+
+    Parameters
+    ----------
+    store : str or Path
+        Folder that ``run`` or ``carry_out`` was given, or one above it.
+
+    Returns
+    -------
+    xarray.Dataset
+        See ``warpdamp.variables.VARIABLES`` for its variables; cases not yet run have the ``status`` NOT_RUN.
 
     Raises
     ------

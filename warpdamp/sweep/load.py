@@ -14,10 +14,30 @@ from .plan import Plan, load_or_make_plan
 def load(path: str | Path) -> Config:
     """Read and validate a configuration, its sweep included.
 
+    Parameters
+    ----------
+    path : str or Path
+        YAML file.
+
+    Returns
+    -------
+    Config
+        Validated configuration in SI units.
+
     Raises
     ------
     ConfigError
         One line for every error: file:line:column: key: what is wrong.
+
+    Examples
+    --------
+    >>> from warpdamp import load
+    >>> config = load("configs/beam.yaml")
+    >>> config.damper.particles.count, config.damper.enclosure.height  # [m]
+    (120, 0.04)
+    >>> load("configs/beam_modes.csv")
+    Traceback (most recent call last):
+    warpdamp.errors.ConfigError: configs/beam_modes.csv:1:1: not a warpdamp configuration: ...
     """
     config = read(path)
     Cases(config)  # what is wrong with a sweep is said now
@@ -26,6 +46,14 @@ def load(path: str | Path) -> Config:
 
 def load_plan(folder: Path) -> Plan:
     """Plan of the study that a folder holds.
+
+    Parameters
+    ----------
+    folder : Path
+
+    Returns
+    -------
+    Plan
 
     Raises
     ------
