@@ -59,7 +59,7 @@ VARIABLES = {
     "natural_frequency": ("Hz", "natural frequency with the particles' mass"),
     "mode_amplitude": ("kg-0.5", "mass-normalised mode shape at the damper"),
     "modal_mass": ("kg", "1 / phi^2 at the damper"),
-    # corrected for the mass that the structure feels (modal/apparent.py)
+    # corrected for the mass that the structure feels (modal/apparent_mass.py)
     "apparent_mass_standard_error": ("kg", "standard error of the apparent mass"),
     "quadrature_mass": ("kg", "mass in quadrature m'' = W / (pi w^2 X^2): the complex mass is m' - j m''"),
     "quadrature_mass_standard_error": ("kg", "standard error of the mass in quadrature"),
@@ -86,7 +86,7 @@ VARIABLES = {
     "fitted_modal_constant": ("kg-1", "size of the modal constant fitted to the FRF"),
     "within_range": ("1", "whether Gamma lies in the range of the damper's results"),
     "inherent_damping": ("1", "damping ratio without the damper"),
-    # coupled runs (coupled_runs.py)
+    # coupled runs (coupled/run.py)
     "structure_displacement": ("m", "displacement of the enclosure along the excitation"),
     "structure_acceleration": ("m s-2", "acceleration of the enclosure along the excitation"),
     "reaction": ("N", "force of the particles on the enclosure along the excitation"),

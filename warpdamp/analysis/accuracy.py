@@ -20,7 +20,7 @@ REFERENCE_LABEL = f"steps_per_contact={REFERENCE:g}"
 """Name of the reference along the dimension ``variation``."""
 
 
-def _kept(row) -> np.ndarray:
+def _after_transient(row) -> np.ndarray:
     """The last two thirds of a series: the first third is the transient."""
     x = np.asarray(row, float)
     x = x[np.isfinite(x)]
@@ -48,11 +48,11 @@ def systematic(runs: xr.Dataset) -> xr.Dataset:
     shape = (runs.sizes["point"], runs.sizes["variation"])
     error, chance = np.empty(shape), np.empty(shape)
     for p in range(shape[0]):
-        own = runs["effectiveness"].isel(point=p).sel(variation=REFERENCE_LABEL).values
-        truth = np.mean([_kept(row).mean() for row in own])
+        references = runs["effectiveness"].isel(point=p).sel(variation=REFERENCE_LABEL).values
+        truth = np.mean([_after_transient(row).mean() for row in references])
         for v in range(shape[1]):
             rows = runs["effectiveness"].isel(point=p, variation=v).values
-            pairs = [(_kept(a), _kept(b)) for a, b in zip(rows, own, strict=True)]
+            pairs = [(_after_transient(a), _after_transient(b)) for a, b in zip(rows, references, strict=True)]
             differences = np.array([a.mean() - b.mean() for a, b in pairs])
             within = math.sqrt(sum(standard_error(a) ** 2 + standard_error(b) ** 2 for a, b in pairs)) / len(pairs)
             between = differences.std(ddof=1) / math.sqrt(len(pairs)) if len(pairs) > 1 else 0.0
@@ -125,12 +125,12 @@ def chance(rows) -> Chance:
     -------
     Chance
     """
-    kept = [_kept(row) for row in rows]
-    means = np.array([x.mean() for x in kept])
+    series = [_after_transient(row) for row in rows]
+    means = np.array([x.mean() for x in series])
     mean = means.mean()
-    variance = np.mean([np.var(x) * autocorrelation_time(x) for x in kept])
-    own = np.mean([standard_error(x) ** 2 for x in kept])
-    spread = max(0.0, means.var(ddof=1) - own) if len(means) > 1 else 0.0
+    variance = np.mean([np.var(x) * autocorrelation_time(x) for x in series])
+    within = np.mean([standard_error(x) ** 2 for x in series])
+    spread = max(0.0, means.var(ddof=1) - within) if len(means) > 1 else 0.0
     return Chance(math.sqrt(variance) / mean, math.sqrt(spread) / mean)
 
 
@@ -152,7 +152,7 @@ def transient(rows, discarded: int) -> float:
     for row in rows:
         x = np.asarray(row, float)
         x = x[np.isfinite(x)]
-        misses.append(x[discarded : discarded + len(x) // 2].mean() / _kept(row).mean() - 1)
+        misses.append(x[discarded : discarded + len(x) // 2].mean() / _after_transient(row).mean() - 1)
     return float(np.sqrt(np.mean(np.square(misses))))
 
 
@@ -174,13 +174,13 @@ def averaged(rows, lengths) -> list[tuple[float, float]]:
     for n in lengths:
         misses = []
         for row in rows:
-            x = _kept(row)
+            x = _after_transient(row)
             windows = len(x) // n
             if windows >= 3:
                 means = x[: windows * n].reshape(windows, n).mean(axis=1)
                 misses += list((means - means.mean()) ** 2 * windows / (windows - 1))
         if misses:
-            mean = np.mean([_kept(row).mean() for row in rows])
+            mean = np.mean([_after_transient(row).mean() for row in rows])
             out.append((n, math.sqrt(np.mean(misses)) / mean))
     return out
 

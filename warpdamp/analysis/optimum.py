@@ -53,12 +53,12 @@ def peaks(gamma, height, standard_error) -> list[Peak]:
         return []
     gamma, height, standard_error = gamma[known], height[known], standard_error[known]
     low = height.min() - 1.0
-    found, traits = find_peaks(np.concatenate([[low], height, [low]]), prominence=0)
-    found -= 1
-    bases = np.minimum(traits["prominences"], height[found] - height.min())
-    kept = [k for k, prominence in zip(found, bases, strict=True) if prominence > 2 * standard_error[k]]
-    kept = kept or [int(np.argmax(height))]
-    return [Peak(float(gamma[k]), float(height[k]), float(standard_error[k])) for k in kept]
+    tops, traits = find_peaks(np.concatenate([[low], height, [low]]), prominence=0)
+    tops -= 1
+    bases = np.minimum(traits["prominences"], height[tops] - height.min())
+    prominent = [k for k, prominence in zip(tops, bases, strict=True) if prominence > 2 * standard_error[k]]
+    prominent = prominent or [int(np.argmax(height))]
+    return [Peak(float(gamma[k]), float(height[k]), float(standard_error[k])) for k in prominent]
 
 
 BLOCK_FLUIDISATION = 2.58
@@ -138,17 +138,17 @@ def optimum(dataset: xr.Dataset, of: str = "effectiveness") -> xr.Dataset:
         curve, noise = value.isel(at).transpose(*inner), error.isel(at).transpose(*inner)
         gammas = np.broadcast_to(dataset["gamma"].values.reshape(-1, *[1] * (curve.ndim - 1)), curve.shape)
         frequency = _frequency(dataset, at)
-        own = clearance.isel({dim: k for dim, k in at.items() if dim in clearance.dims})
-        for which, top in _called(maxima(gammas, curve.values, noise.values), frequency, float(own)).items():
+        free_travel = clearance.isel({dim: k for dim, k in at.items() if dim in clearance.dims})
+        for which, top in _called(maxima(gammas, curve.values, noise.values), frequency, float(free_travel)).items():
             table[f"gamma_{which}"][index] = top.gamma
             table[f"gamma_{which}_standard_error"][index] = top.gamma_standard_error
             table[f"{of}_{which}"][index] = top.height
             table[f"{of}_{which}_standard_error"][index] = top.height_standard_error
     coords = {name: c for name, c in dataset.coords.items() if set(c.dims) <= set(outer)}
-    found = xr.Dataset({name: (outer, values) for name, values in table.items()}, coords)
-    for name in found.data_vars:
-        found[name].attrs.update(units="1", long_name=name.replace("_", " "))
-    return found
+    result = xr.Dataset({name: (outer, values) for name, values in table.items()}, coords)
+    for name in result.data_vars:
+        result[name].attrs.update(units="1", long_name=name.replace("_", " "))
+    return result
 
 
 def _frequency(dataset, at) -> float:
@@ -159,8 +159,8 @@ def _frequency(dataset, at) -> float:
         if "excitation_frequency" in dataset
         else "frequency"
     )
-    own = dataset[name]
-    return float(own.isel({dim: k for dim, k in at.items() if dim in own.dims}).mean())
+    frequency = dataset[name]
+    return float(frequency.isel({dim: k for dim, k in at.items() if dim in frequency.dims}).mean())
 
 
 def _called(tops: list[Maximum], frequency: float, clearance: float) -> dict[str, Maximum]:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from ..errors import UsageError
 from ..files import whole_file
@@ -44,20 +43,20 @@ def over_packings(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.Data
     import xarray as xr
 
     value = dataset[name]
-    own = dataset.get(f"{name}_standard_error", xr.full_like(value, np.nan))
-    there = ran(dataset)
+    errors = dataset.get(f"{name}_standard_error", xr.full_like(value, np.nan))
+    done = ran(dataset)
     if "seed" not in value.dims:
-        value, own, there = (a.expand_dims("seed") if "seed" not in a.dims else a for a in (value, own, there))
-    n = there.sum("seed")
+        value, errors, done = (a.expand_dims("seed") if "seed" not in a.dims else a for a in (value, errors, done))
+    n = done.sum("seed")
 
     def total(values):
-        return values.where(there, 0.0).sum("seed", skipna=False)
+        return values.where(done, 0.0).sum("seed", skipna=False)
 
     mean = total(value) / n
     if name in CLAIMED and "energy_mean" in dataset:
         return mean, mean * dataset["energy_mean_standard_error"] / dataset["energy_mean"]
     between = np.sqrt(total((value - mean) ** 2) / (n * (n - 1)).where(n > 1))
-    return mean, np.fmax(between, np.sqrt(total(own**2)) / n)
+    return mean, np.fmax(between, np.sqrt(total(errors**2)) / n)
 
 
 def worst_status(dataset: xr.Dataset) -> xr.DataArray:

@@ -87,12 +87,12 @@ def _maxima(gamma, mean, spread, draws) -> list[Maximum]:
     from scipy.signal import find_peaks
 
     tops, traits = find_peaks(mean, prominence=0)
-    kept = [k for k, prominence in zip(tops, traits["prominences"], strict=True) if prominence > spread[k]]
-    if not kept:
+    prominent = [k for k, prominence in zip(tops, traits["prominences"], strict=True) if prominence > spread[k]]
+    if not prominent:
         return []
-    basins = [0, *(a + int(np.argmin(mean[a:b])) for a, b in itertools.pairwise(kept)), len(mean) - 1]
-    found = []
-    for k, (first, last) in zip(kept, itertools.pairwise(basins), strict=True):
+    basins = [0, *(a + int(np.argmin(mean[a:b])) for a, b in itertools.pairwise(prominent)), len(mean) - 1]
+    result = []
+    for k, (first, last) in zip(prominent, itertools.pairwise(basins), strict=True):
         first, last = _around(k, first, last, mean, spread)
         at = first + np.argmax(draws[:, first : last + 1], axis=1)
         inside = (at > first) & (at < last)
@@ -102,8 +102,8 @@ def _maxima(gamma, mean, spread, draws) -> list[Maximum]:
         heights = draws[np.flatnonzero(inside), at[inside]]
         step = gamma[min(k + 1, len(gamma) - 1)] - gamma[k]  # the fine grid's own uncertainty
         error = math.hypot(float(np.std(where)), step / math.sqrt(12))
-        found.append(Maximum(float(gamma[k]), error, float(mean[k]), float(np.std(heights)), float(inside.mean())))
-    return found
+        result.append(Maximum(float(gamma[k]), error, float(mean[k]), float(np.std(heights)), float(inside.mean())))
+    return result
 
 
 def _around(k: int, first: int, last: int, mean, spread) -> tuple[int, int]:

@@ -86,13 +86,13 @@ def steady(series, *, fewest: int, floor: float = 0.0, earliest: int = 0) -> Ste
     n = len(x)
     latest = max(earliest, min(n - fewest, n // 2))
     discarded = min(range(earliest, latest + 1), key=lambda d: np.var(x[d:]) / (n - d))
-    kept = x[discarded:]
-    change, chance = _trend(kept)
+    rest = x[discarded:]
+    change, chance = _trend(rest)
     return Steady(
-        mean=float(kept.mean()),
-        standard_error=standard_error(kept),
+        mean=float(rest.mean()),
+        standard_error=standard_error(rest),
         discarded=discarded,
-        degrees=degrees_of_freedom(kept),
+        degrees=degrees_of_freedom(rest),
         drifting=bool(change > DRIFT * chance and change > floor),
     )
 

@@ -80,13 +80,13 @@ def shortest_contact(scene: Scene, grains, speed: float) -> float:
     times = []
     smallest = {k: float(np.min(radius[species == k])) for k in set(species.tolist())}
     for i, a in smallest.items():
-        one, mass = scene.materials[i], float(scene.mass(a, i))
+        material, mass = scene.materials[i], float(scene.mass(a, i))
         for j, b in smallest.items():
-            modulus = contact_constants(one, scene.materials[j], scene.pair_surface(i, j))["modulus"]
-            other = float(scene.mass(b, j))
-            times.append(contact_time(modulus, a * b / (a + b), mass * other / (mass + other), speed))
+            modulus = contact_constants(material, scene.materials[j], scene.pair_surface(i, j))["modulus"]
+            other_mass = float(scene.mass(b, j))
+            times.append(contact_time(modulus, a * b / (a + b), mass * other_mass / (mass + other_mass), speed))
         if scene.enclosure:
-            modulus = contact_constants(one, scene.wall, scene.wall_surface(i))["modulus"]
+            modulus = contact_constants(material, scene.wall, scene.wall_surface(i))["modulus"]
             times.append(contact_time(modulus, a, mass, speed))
     return min(times)
 

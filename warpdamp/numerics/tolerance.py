@@ -9,15 +9,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .timestep import FEWEST_STEPS_PER_CONTACT
-
-if TYPE_CHECKING:
-    pass
-
 
 STEP_ERROR = 0.005
 """Relative error of the energy per cycle that a study reckons with at 24 steps a contact; of second order.  Six points
@@ -77,8 +72,8 @@ def settings_for(tolerance: float) -> ToleranceSettings:
     ----------
     tolerance : relative standard error of the energy per cycle
     """
-    wanted = 24 * math.sqrt(STEP_ERROR / (STEP_SHARE * tolerance))
-    steps = min(max(wanted, FEWEST_STEPS_PER_CONTACT), FINEST)
+    needed = 24 * math.sqrt(STEP_ERROR / (STEP_SHARE * tolerance))
+    steps = min(max(needed, FEWEST_STEPS_PER_CONTACT), FINEST)
     left = math.sqrt(max(tolerance**2 - step_error(steps) ** 2, (0.5 * tolerance) ** 2))
     return ToleranceSettings(steps, left, SLACK * tolerance)
 
@@ -103,8 +98,8 @@ def packings_needed(energies, errors, degrees, memories, steps, largest, toleran
         limit = allowed(tolerance, answer.mean, largest[0])
         if answer.total_error <= limit or answer.step_error >= limit:  # more packings do not mend a step
             break
-        own = np.mean(errors[:n] ** 2 + memories[:n] ** 2) / (limit**2 - answer.step_error**2)
-        n = min(max(n + 1, math.ceil(own)), len(energies))
+        needed = np.mean(errors[:n] ** 2 + memories[:n] ** 2) / (limit**2 - answer.step_error**2)
+        n = min(max(n + 1, math.ceil(needed)), len(energies))
     return n
 
 
@@ -172,10 +167,10 @@ def combined(means, errors, degrees, memories=0.0, steps=0.0, ran=True) -> Answe
         within = np.sqrt(total(errors**2 + memories**2)) / n
         between = np.where(n > 1, np.sqrt(total((means - mean[..., None]) ** 2) / ((n - 1) * n)), 0.0)
         step = total(steps) / n
-        own = total(errors**2 + memories**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
-    own = np.where(within > 0, own, math.inf)
+        degrees_within = total(errors**2 + memories**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
+    degrees_within = np.where(within > 0, degrees_within, math.inf)
     error = np.maximum(within, between)
-    interval = np.hypot(error * student(np.where(between > within, n - 1.0, own)), 2 * step)
+    interval = np.hypot(error * student(np.where(between > within, n - 1.0, degrees_within)), 2 * step)
     return Answer(mean, error, step, interval, n)
 
 

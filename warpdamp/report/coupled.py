@@ -38,9 +38,9 @@ def answers(runs: xr.Dataset) -> Figure:
             (axes[2], "window_frequency", "natural frequency [Hz]"),
         ):
             for k in range(runs.sizes["level"]):
-                own = runs.isel(level=k)
-                shown = own["window_steady"] == 1 if "applied_force" in runs else own[name].notnull()
-                gamma, value = (own[n].where(shown).values.ravel() for n in ("window_gamma", name))
+                level_runs = runs.isel(level=k)
+                shown = level_runs["window_steady"] == 1 if "applied_force" in runs else level_runs[name].notnull()
+                gamma, value = (level_runs[n].where(shown).values.ravel() for n in ("window_gamma", name))
                 ax.plot(gamma, value, ".", ms=3, color=colours[k])
             ax.set(xlabel="Γ [-]", ylabel=label)
             _within_reason(ax, runs[name].values)

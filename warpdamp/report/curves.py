@@ -110,7 +110,7 @@ def _title(dataset, value, panel) -> str:
     if "frequency" in panel:
         words.insert(0, f"{float(dataset['frequency'][panel['frequency']]):.4g} Hz")
     if "mode" in panel:
-        own = dataset["natural_frequency"].isel(mode=panel["mode"])
-        own = own.isel({dim: rest.get(dim, 0) for dim in own.dims})
-        words.insert(0, f"mode {int(dataset['mode'][panel['mode']])}, {float(own):.1f} Hz")
+        natural_frequency = dataset["natural_frequency"].isel(mode=panel["mode"])
+        natural_frequency = natural_frequency.isel({dim: rest.get(dim, 0) for dim in natural_frequency.dims})
+        words.insert(0, f"mode {int(dataset['mode'][panel['mode']])}, {float(natural_frequency):.1f} Hz")
     return ", ".join(words)

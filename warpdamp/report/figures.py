@@ -26,10 +26,10 @@ Panel = dict[str, int]
 def panels(value: xr.DataArray, dims: list[str], most: int = MOST_PANELS) -> list[Panel]:
     """Indices along some dimensions, one dict a panel, evenly thinned where there are more than ``most``."""
     sizes = [range(value.sizes[dim]) for dim in dims]
-    every = [dict(zip(dims, index, strict=True)) for index in itertools.product(*sizes)]
-    if len(every) <= most:
-        return every
-    return [every[k] for k in np.unique(np.linspace(0, len(every) - 1, most).round().astype(int))]
+    choices = [dict(zip(dims, index, strict=True)) for index in itertools.product(*sizes)]
+    if len(choices) <= most:
+        return choices
+    return [choices[k] for k in np.unique(np.linspace(0, len(choices) - 1, most).round().astype(int))]
 
 
 def shown(value) -> str:

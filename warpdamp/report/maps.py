@@ -38,15 +38,15 @@ def phase_map(dataset: xr.Dataset) -> Figure:
     the optima found, of fluidisation (circles) and of two-sided collision (squares).
     """
     value, _ = over_packings(dataset, "effectiveness")
-    found = optimum(dataset)
+    optima = optimum(dataset)
     top = float(np.nanmax(value)) if np.isfinite(value).any() else 1.0
     figure, drawn, image = _maps(value, vmin=0, vmax=top, cmap="viridis")
     for ax, panel in drawn:
         _lines(ax, dataset, panel)
         for name, marker in (("fluidisation", "o"), ("collision", "s")):
-            own = found.isel({dim: k for dim, k in panel.items() if dim in found.dims})
+            curve = optima.isel({dim: k for dim, k in panel.items() if dim in optima.dims})
             ax.errorbar(
-                dataset["frequency"], own[f"gamma_{name}"], own[f"gamma_{name}_standard_error"], fmt=marker, ms=4,
+                dataset["frequency"], curve[f"gamma_{name}"], curve[f"gamma_{name}_standard_error"], fmt=marker, ms=4,
                 lw=0.8, mfc="none", color="white", label=f"optimum of {name}",
             )  # fmt: skip
         ax.set_ylim(float(dataset["gamma"].min()), float(dataset["gamma"].max()))
