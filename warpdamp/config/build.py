@@ -38,13 +38,13 @@ def scene(config: Config) -> Scene:
     """Scene of a configuration without lists, enclosure at rest."""
     contact, cavity, names = config.contact, config.damper.enclosure, _species(config)
 
-    def surface(one: str, other: str) -> Surface:
-        given = contact.pairs.get(f"{one} with {other}") or contact.pairs.get(f"{other} with {one}")
-        given = given or (contact.walls if other == WALLS and contact.walls else contact)
+    def surface(first: str, second: str) -> Surface:
+        given = contact.pairs.get(f"{first} with {second}") or contact.pairs.get(f"{second} with {first}")
+        given = given or (contact.walls if second == WALLS and contact.walls else contact)
         return Surface(given.restitution, given.friction, given.rolling_friction)
 
-    pairs = tuple(tuple(surface(one, other) for other in names) for one in names)
-    walls = tuple(surface(one, WALLS) for one in names)
+    pairs = tuple(tuple(surface(first, second) for second in names) for first in names)
+    walls = tuple(surface(first, WALLS) for first in names)
     materials = tuple(material(config, name) for name in names)
     alone = len(names) == 1
     return Scene(

@@ -22,20 +22,20 @@ WALLS = "walls"
 
 def _swept(kind, *constraints):
     """One value, or a list or range of different ones that becomes an axis."""
-    one = Annotated[kind, *constraints]
-    some = one | Annotated[list[one], Field(min_length=1)]
+    scalar = Annotated[kind, *constraints]
+    scalar_or_list = scalar | Annotated[list[scalar], Field(min_length=1)]
     read = TypeAdapter(kind).validate_python
 
     def spread(value):
         return Range.model_validate(value).spread(read) if isinstance(value, dict) else value
 
-    return Annotated[some, BeforeValidator(spread, json_schema_input_type=some | Range)]
+    return Annotated[scalar_or_list, BeforeValidator(spread, json_schema_input_type=scalar_or_list | Range)]
 
 
 def between(key: str) -> tuple[str, str]:
     """Pair of materials, or a material and the walls, that a key of ``contact.pairs`` names."""
-    one, _, other = key.partition(" with ")
-    return one.strip(), other.strip()
+    first, _, second = key.partition(" with ")
+    return first.strip(), second.strip()
 
 
 class MaterialConfig(Model):

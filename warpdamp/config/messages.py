@@ -31,7 +31,7 @@ def place(data, loc) -> str:
     return f"{place[0] + 1}:{place[1] + 1}"
 
 
-def telling(errors, data, root):
+def relevant(errors, data, root):
     """Errors worth a line: one a place, the most specific branch of a union, no echo of a misspelt key."""
     best: dict = {}
     for error in errors:

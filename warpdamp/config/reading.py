@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..errors import ConfigError
-from .messages import explained, place, printable, telling
+from .messages import explained, place, printable, relevant
 from .study import Config
 
 
@@ -26,7 +26,7 @@ def read(path) -> Config:
     try:
         config = Config.model_validate(_plain(data))
     except ValidationError as error:
-        errors = telling(error.errors(), data, Config)
+        errors = relevant(error.errors(), data, Config)
         lines = [f"{path}:{place(data, e['loc'])}: {explained(e, Config)}" for e in errors]
         raise ConfigError("\n".join(map(printable, lines))) from None
     config._source = (path, data)

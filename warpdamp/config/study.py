@@ -92,11 +92,11 @@ class Config(Model):
     def error(self, key: str | tuple, message: str) -> ConfigError:
         """Error at a key (dotted, or as a tuple), with file, line and column if the configuration has a file."""
         parts = tuple(key.split(".")) if isinstance(key, str) else key
-        said = f"{'.'.join(map(str, parts))}: {message}"
+        text = f"{'.'.join(map(str, parts))}: {message}"
         if self._source is None:
-            return ConfigError(said)
+            return ConfigError(text)
         path, data = self._source
-        return ConfigError(printable(f"{path}:{place(data, parts)}: {said}"))
+        return ConfigError(printable(f"{path}:{place(data, parts)}: {text}"))
 
     @property
     def folder(self) -> Path:
@@ -113,16 +113,16 @@ class Config(Model):
     @model_validator(mode="after")
     def _consistent(self):
         named = self.damper.materials()
-        own = self.structure.material if self.structure else None
-        if own:
-            named[f"structure.{self.structure.source}.material"] = own
+        material = self.structure.material if self.structure else None
+        if material:
+            named[f"structure.{self.structure.source}.material"] = material
         for where, name in named.items():
             if name not in self.materials:
                 raise ValueError(f"{where}: there is no material '{name}'{suggestion(name, self.materials)}")
         for name in self.materials:
             if name not in named.values():
                 raise ValueError(f"materials.{name}: is not used by anything")
-        if own and any(isinstance(value, list) for value in vars(self.materials[own]).values()):
+        if material and any(isinstance(value, list) for value in vars(self.materials[material]).values()):
             raise ValueError(f"structure.{self.structure.source}.material: the structure's material cannot be swept")
         if self.excitation.frequency == "modes" and not self.structure:
             raise ValueError("excitation.frequency: 'modes' needs a structure; give frequencies, as [46 Hz, 100 Hz]")

@@ -241,12 +241,12 @@ def called_for(scene: Scene, grains, *, precision: Precision = "float64") -> Eff
     return Effects(**{name: effect.called_for(scene, grains) for name, effect in EFFECTS.items()}, precision=precision)
 
 
-def covering(every: list[Effects]) -> Effects:
+def covering(choices: list[Effects]) -> Effects:
     """Fewest effects with which each of several scenes can be simulated.
 
     Parameters
     ----------
-    every : list of Effects
+    choices : list of Effects
 
     Returns
     -------
@@ -257,6 +257,6 @@ def covering(every: list[Effects]) -> Effects:
     ValueError
         If the precisions differ.
     """
-    if len({effects.precision for effects in every}) > 1:
+    if len({effects.precision for effects in choices}) > 1:
         raise ValueError("the cases of a batch must all have one precision")
-    return replace(every[0], **{name: any(getattr(effects, name) for effects in every) for name in EFFECTS})
+    return replace(choices[0], **{name: any(getattr(effects, name) for effects in choices) for name in EFFECTS})
