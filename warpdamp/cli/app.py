@@ -59,15 +59,15 @@ def run(
 
         if executor not in EXECUTORS and "://" not in executor:
             raise typer.BadParameter(f"'{executor}' is none of {', '.join(EXECUTORS)}", param_hint="--executor")
-        checked, own = load(config), _part(part)
+        checked, share = load(config), _part(part)
         store = output / f"{config.stem}{'-quick' if quick else ''}"
         path = store.with_name(f"{store.name}.nc")
         writable(output)
         started = time.perf_counter()
         options = {"quick": quick, "workers": workers, "executor": executor, "limit": limit}
         with _stoppable(store), progress() as report:
-            if own:
-                study.carry_out(checked, store, part=own, report=report, **options)
+            if share:
+                study.carry_out(checked, store, part=share, report=report, **options)
                 print(f"part {part} is done; warpdamp collect {store} puts all parts together")
                 return
             dataset = study.run(checked, store=store, report=report, **options)
@@ -119,9 +119,9 @@ FolderArgument = Annotated[Path, typer.Argument(help="Folder of a run.", metavar
 def status(folder: FolderArgument) -> None:
     """Say how far a run is: done, at work, failed, and the time left."""
     with one_line_errors():
-        from ..execution.progress import status as told
+        from ..execution.progress import status as progress_lines
 
-        for line in told(folder):
+        for line in progress_lines(folder):
             print(line)
 
 
@@ -190,9 +190,9 @@ def accuracy(
 
         checked = load(config)
         writable(output)
-        own = points_of(checked, points)
+        specs = points_of(checked, points)
         with progress() as report, worker_pool("processes", workers) as processes:
-            runs = vary(own, lambda _: cycles, processes.executor, report=lambda done: report("runs", done))
+            runs = vary(specs, lambda _: cycles, processes.executor, report=lambda done: report("runs", done))
         path = output / f"{config.stem}-accuracy.nc"
         write(runs, path)
         save(work_precision(runs), path.with_suffix(".png"))

@@ -31,7 +31,7 @@ def modes(
 
     with one_line_errors():
         from ..config.build import particle_mass
-        from ..modal.from_config import modes as own_modes
+        from ..modal.from_config import modes as structure_modes
         from ..report.tables import modes_table
         from ..sweep.cases import Cases
         from ..sweep.load import load
@@ -39,17 +39,17 @@ def modes(
         checked = load(config)
         if checked.structure is None:
             raise checked.error("structure", "missing: there are no modes without a structure")
-        every = [point.config for point in Cases(checked).points() if point.config]
-        masses = {particle_mass(single) for single in every}
+        configs = [point.config for point in Cases(checked).points() if point.config]
+        masses = {particle_mass(single) for single in configs}
         if not checked.structure.particles_included:
             masses.add(0.0)
-        found = {m: own_modes(every[0], particles=m) for m in sorted(masses)}
+        modes_by_mass = {m: structure_modes(configs[0], particles=m) for m in sorted(masses)}
         if output:
-            _write_modes(found[max(masses)], output, checked.title)
+            _write_modes(modes_by_mass[max(masses)], output, checked.title)
     console = Console()
-    for particles, own in found.items():
+    for particles, loaded in modes_by_mass.items():
         console.print(f"with {1e3 * particles:.2f} g of particles", highlight=False)
-        console.print(modes_table(own))
+        console.print(modes_table(loaded))
 
 
 def _write_modes(modes: Modes, path: Path, title: str) -> None:
@@ -129,10 +129,10 @@ def frf(
         target = output or file.with_name(f"{file.stem}-frf.png")
         dataset = response.chosen(read(file), at or [])
         if constant_force:
-            found, draw = response.constant_force(dataset, constant_force, band), force_curves
+            result, draw = response.constant_force(dataset, constant_force, band), force_curves
         else:
-            found, draw = response.accelerance(dataset, band=band), families
-        save_as_asked(found, draw, target)
+            result, draw = response.accelerance(dataset, band=band), families
+        save_as_asked(result, draw, target)
     print(target)
 
 
@@ -157,12 +157,12 @@ def fit(
         from ..report.frf import fitted_curves
         from ..report.tables import fits_table
 
-        found = fits(chosen(read_frf(file), at or []), near)
+        fitted = fits(chosen(read_frf(file), at or []), near)
         if output:
-            if output.suffix != ".nc" and "gamma" not in found.dims:
+            if output.suffix != ".nc" and "gamma" not in fitted.dims:
                 raise UsageError(f"{output}: one FRF has nothing to draw over Gamma: name a file that ends in .nc")
-            save_as_asked(found, fitted_curves, output)
+            save_as_asked(fitted, fitted_curves, output)
     console = Console()
-    console.print(fits_table(found))
-    for line in found.attrs["refused"]:
+    console.print(fits_table(fitted))
+    for line in fitted.attrs["refused"]:
         console.print(line, highlight=False)

@@ -35,17 +35,17 @@ def needed_cases(plan: Plan, finished: Finished) -> np.ndarray:
     values = _values(plan, finished)
     needed = np.zeros(len(plan.keys), bool)
     for point in np.arange(len(plan.keys)).reshape(-1, plan.cases.shape[-1]):
-        own = point[plan.fate[point] == Fate.RUN]
-        needed[own[: packings_needed(*values[:, own], accuracy.tolerance)]] = True
+        packings = point[plan.fate[point] == Fate.RUN]
+        needed[packings[: packings_needed(*values[:, packings], accuracy.tolerance)]] = True
     return numbers[np.isin(plan.chain[numbers], plan.chain[needed])]
 
 
 def _values(plan: Plan, finished: Finished) -> np.ndarray:
     """Energies of all cases and their uncertainties, (6, n); NaN where a case is not finished, or failed."""
     rows = finished.rows(plan.keys)
-    there = rows >= 0
+    done = rows >= 0
     values = np.full((len(_VALUES), len(rows)), np.nan)
-    for own, name in zip(values, _VALUES, strict=True):
+    for row, name in zip(values, _VALUES, strict=True):
         if name in finished.values:
-            own[there] = finished.values[name][rows[there]]
+            row[done] = finished.values[name][rows[done]]
     return values

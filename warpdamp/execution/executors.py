@@ -156,18 +156,18 @@ def worker_pool(kind: str | Executor, workers: int | None) -> Iterator[WorkerPoo
                 yield Cluster(client)
             return
         if kind == "processes":
-            one = Processes(workers)
+            pool = Processes(workers)
         elif kind == "in-process":
-            one = WorkerPool(InProcess(), 1)
+            pool = WorkerPool(InProcess(), 1)
         else:
             raise ValueError(
                 f"there is no executor '{kind}': choose from processes, in-process, dask, or the address of a Dask "
                 "scheduler, as tcp://host:8786"
             )
         try:
-            yield one
+            yield pool
         finally:
-            one.stop()
+            pool.stop()
 
 
 @contextmanager
@@ -202,13 +202,13 @@ def _main_hidden():
     of them: so they are not told of it.
     """
     main = sys.modules["__main__"]
-    kept = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
+    hidden = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
     try:
         main.__spec__ = None
         main.__dict__.pop("__file__", None)
         yield
     finally:
-        vars(main).update(kept)
+        vars(main).update(hidden)
 
 
 def _follow_parent() -> None:

@@ -82,15 +82,15 @@ class RunLog:
     def further(self, cases: int) -> None:
         """Record that ``cases`` more cases are needed."""
         self.state["cases"] += cases
-        self._log.info("%d further cases called for", cases)
+        self._log.info("%d further cases are needed", cases)
 
-    def say(self, level: int, message: str) -> None:
+    def log(self, level: int, message: str) -> None:
         """Log a message at a ``logging`` level."""
         self._log.log(level, message)
 
     def finished(self, outcome: Outcome) -> None:
         """Record a finished batch."""
-        for level, message in outcome.said:
+        for level, message in outcome.records:
             self._log.log(level, message)
         self._log.info("%d cases in %.1f s, %d failed", outcome.cases, outcome.seconds, outcome.unfinished)
         self.state["done"] += outcome.cases
@@ -99,8 +99,8 @@ class RunLog:
         self.state["advancing"] += outcome.advancing
         self._now_and_then()
 
-    def given_up(self, cases: int) -> None:
-        """Cases that could not be run."""
+    def failed(self, cases: int) -> None:
+        """Record cases that could not be run."""
         self.state["done"] += cases
         self.state["unfinished"] += cases
         self._now_and_then()

@@ -111,19 +111,20 @@ class Store:
         parts = [_unpacked(content, names) for content in self._contents(repair)]
         if not parts:
             return Finished()
-        every = dict.fromkeys(name for part in parts for name in part.values)
+        columns = dict.fromkeys(name for part in parts for name in part.values)
         values = {
-            name: np.concatenate([part.values.get(name, _missing(name, len(part))) for part in parts]) for name in every
+            name: np.concatenate([part.values.get(name, _missing(name, len(part))) for part in parts])
+            for name in columns
         }
-        whole = Finished(
+        union = Finished(
             np.concatenate([part.keys for part in parts]), values, np.concatenate([part.messages for part in parts])
         )
-        return _each_once(whole)
+        return _each_once(union)
 
     def finished(self, *, repair: bool = False) -> np.ndarray:
         """Keys of the cases that ended by themselves, sorted; others are run again."""
-        every = self.read(("status",), repair=repair)
-        return every.keys[every.status < FIRST_UNFINISHED]
+        stored = self.read(("status",), repair=repair)
+        return stored.keys[stored.status < FIRST_UNFINISHED]
 
     def _contents(self, repair: bool) -> Iterator[bytes]:
         for path in sorted((self.folder / "shards").glob("*.nc")):
@@ -218,18 +219,18 @@ def _unpacked(content: bytes, names) -> Finished:
     with Dataset("shard.nc", memory=content) as file:
         file.set_auto_mask(False)
         keys = np.ascontiguousarray(file["key"][:]).view(f"S{KEY}").ravel()
-        wanted = [name for name in file.variables if name not in ("key", "message")]
-        values = {name: file[name][:] for name in wanted if names is None or name in names}
+        stored = [name for name in file.variables if name not in ("key", "message")]
+        values = {name: file[name][:] for name in stored if names is None or name in names}
         messages = np.full(len(keys), "", object)
         if names is None:
             messages[:] = file["message"][:]
     return Finished(keys, values, messages)
 
 
-def _each_once(every: Finished) -> Finished:
+def _each_once(cases: Finished) -> Finished:
     """Cases sorted by key; of several with one key, the one that got furthest."""
-    order = np.lexsort((every.status, every.keys))
-    keys = every.keys[order]
+    order = np.lexsort((cases.status, cases.keys))
+    keys = cases.keys[order]
     first = np.concatenate([[True], keys[1:] != keys[:-1]])
     chosen = order[first]
-    return Finished(every.keys[chosen], {name: v[chosen] for name, v in every.values.items()}, every.messages[chosen])
+    return Finished(cases.keys[chosen], {name: v[chosen] for name, v in cases.values.items()}, cases.messages[chosen])

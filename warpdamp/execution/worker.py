@@ -44,7 +44,7 @@ class Outcome:
     unfinished : those of them that could not be run
     seconds : of wall time
     cpu : of processor time, and what of it was spent in advancing cases [s]
-    said : log records (level, message)
+    records : log records (level, message)
     """
 
     cases: int = 0
@@ -52,7 +52,7 @@ class Outcome:
     seconds: float = 0.0
     cpu: float = 0.0
     advancing: float = 0.0
-    said: list[tuple[int, str]] = field(default_factory=list)
+    records: list[tuple[int, str]] = field(default_factory=list)
 
 
 def shake_and_keep(folder: str, work: Work) -> Outcome:
@@ -65,19 +65,19 @@ def shake_and_keep(folder: str, work: Work) -> Outcome:
     """
     from .store import Store
 
-    with _alone, _listening() as said:
+    with _alone, _LogRecords() as records:
         started, cpu = time.perf_counter(), time.process_time()
         results = _values(work.chains, work.criteria)
         Store(folder).write([(work.keys[index], values) for index, values in results])
         failures = [value["message"] for _, value in results if value["status"] >= FIRST_UNFINISHED]
-        said += [(logging.WARNING, f"a case failed: {message}") for message in failures]
+        records += [(logging.WARNING, f"a case failed: {message}") for message in failures]
         return Outcome(
             cases=len(results),
             unfinished=len(failures),
             seconds=time.perf_counter() - started,
             cpu=time.process_time() - cpu,
             advancing=sum(value.get("cpu_time", 0.0) for _, value in results),
-            said=said,
+            records=records,
         )
 
 
@@ -91,8 +91,8 @@ def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[in
         raise
     except Exception as error:
         if len(chains) == 1:
-            said = f"{type(error).__name__}: {error}"
-            return [(spec.index, {"status": int(Status.FAILED), "message": said}) for spec in chains[0]]
+            message = f"{type(error).__name__}: {error}"
+            return [(spec.index, {"status": int(Status.FAILED), "message": message}) for spec in chains[0]]
     return [result for chain in chains for result in _values([chain], criteria)]
 
 
@@ -112,16 +112,16 @@ def make_bed(request: Request) -> tuple[str, str] | None:
     return None
 
 
-class _listening(logging.Handler):
+class _LogRecords(logging.Handler):
     """Logging handler that collects what warpdamp logs."""
 
     def __enter__(self) -> list[tuple[int, str]]:
-        self.said: list[tuple[int, str]] = []
+        self.records: list[tuple[int, str]] = []
         logging.getLogger("warpdamp").addHandler(self)
-        return self.said
+        return self.records
 
     def __exit__(self, *_):
         logging.getLogger("warpdamp").removeHandler(self)
 
     def emit(self, record):
-        self.said.append((record.levelno, record.getMessage()))
+        self.records.append((record.levelno, record.getMessage()))

@@ -147,7 +147,7 @@ def study(
     specs = list(specs)
     points = sorted({(spec.scene.drive.frequency, spec.scene.drive.acceleration) for spec in specs})
     seeds = sorted({spec.bed.seed for spec in specs})
-    every = variations()
+    ways = variations()
     beds: dict[str, Request] = {}
     for spec in specs:
         for how in ("loose", "compacted"):
@@ -157,20 +157,20 @@ def study(
         future.result()
 
     longest = max(cycles(spec) for spec in specs)
-    shape = (len(points), len(every), len(seeds))
+    shape = (len(points), len(ways), len(seeds))
     values = np.full((*shape, longest), np.nan, np.float32)
     numbers = {name: np.full(shape, np.nan) for name in ("residual", "cost_per_cycle", "steps_per_cycle")}
     pending = {}
     for spec in sorted(specs, key=lambda s: -cycles(s) * s.steps_per_cycle):
         drive = spec.scene.drive
-        for k, variation in enumerate(every):
+        for k, variation in enumerate(ways):
             at = (points.index((drive.frequency, drive.acceleration)), k, seeds.index(spec.bed.seed))
             pending[executor.submit(series, spec, variation, cycles(spec))] = at
     for done, future in enumerate(as_completed(pending), 1):
-        found, at = future.result(), pending[future]
-        values[at][: len(found["effectiveness"])] = found["effectiveness"]
+        result, at = future.result(), pending[future]
+        values[at][: len(result["effectiveness"])] = result["effectiveness"]
         for name, array in numbers.items():
-            array[at] = found[name]
+            array[at] = result[name]
         report(done / len(pending))
     dims = ("point", "variation", "seed")
     return xr.Dataset(
@@ -178,7 +178,7 @@ def study(
         {
             "frequency": ("point", [f for f, _ in points]),
             "gamma": ("point", [a / STANDARD_GRAVITY for _, a in points]),
-            "variation": [variation.label for variation in every],
+            "variation": [variation.label for variation in ways],
             "seed": seeds,
         },
     )

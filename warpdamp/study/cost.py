@@ -65,30 +65,30 @@ def jammed_bed() -> tuple[Scene, State]:
     return scene, batch.read()[0][0]
 
 
-def frozen(every: list[Effects], *, bed=None, rounds: int = 9, steps: int = 4000) -> dict[Effects, list[float]]:
+def frozen(sets: list[Effects], *, bed=None, rounds: int = 9, steps: int = 4000) -> dict[Effects, list[float]]:
     """Processor time per particle-step [ns] on one frozen set of contacts, by effects, measured in turn."""
     scene, state = bed or jammed_bed()
-    batches = [Batch([Case(scene.driven(None), state, STILL)], effects=effects) for effects in every]
-    return _alternating(every, batches, rounds, steps)
+    batches = [Batch([Case(scene.driven(None), state, STILL)], effects=effects) for effects in sets]
+    return _alternating(sets, batches, rounds, steps)
 
 
-def moving(every: list[Effects], *, rounds: int = 9) -> dict[Effects, list[float]]:
+def moving(sets: list[Effects], *, rounds: int = 9) -> dict[Effects, list[float]]:
     """Processor time per particle-step [ns] in the paper's scene at Gamma 6, by effects, a cycle a round."""
     scene = paper_scene()
     loose = prepare(Request(scene, Grains.alike(RADIUS, COUNT), 1, "loose")).state
     case = Case(scene, loose, 1 / FREQUENCY / STEPS_PER_CYCLE)
-    batches = [Batch([case], max_rows=rounds + 4, effects=effects) for effects in every]
+    batches = [Batch([case], max_rows=rounds + 4, effects=effects) for effects in sets]
     for batch in batches:
         batch.advance(STEPS_PER_CYCLE)
-    return _alternating(every, batches, rounds, STEPS_PER_CYCLE)
+    return _alternating(sets, batches, rounds, STEPS_PER_CYCLE)
 
 
-def _alternating(every, batches, rounds: int, steps: int) -> dict[Effects, list[float]]:
+def _alternating(sets, batches, rounds: int, steps: int) -> dict[Effects, list[float]]:
     for batch in batches:
         batch.advance(batch.steps + 2)  # compiles
-    spent: dict[Effects, list[float]] = {effects: [] for effects in every}
+    spent: dict[Effects, list[float]] = {effects: [] for effects in sets}
     for _ in range(rounds):
-        for effects, batch in zip(every, batches, strict=True):
+        for effects, batch in zip(sets, batches, strict=True):
             started = time.process_time()
             batch.advance(batch.steps + steps)
             spent[effects].append((time.process_time() - started) / steps / COUNT * 1e9)
@@ -105,23 +105,23 @@ def _machine() -> str:
 
 def remember(measured: Callable, spent: dict[Effects, list[float]]) -> None:
     """Store the medians of what was ``measured``, ``frozen`` or ``moving``, for ``explain``."""
-    kept = _kept() | {_key(measured, effects): statistics.median(times) for effects, times in spent.items()}
+    times_by_key = _stored() | {_key(measured, effects): statistics.median(times) for effects, times in spent.items()}
     path = _file()
-    told = {"machine": _machine(), "date": f"{time.strftime('%Y-%m-%d')}", "nanoseconds": kept}
+    record = {"machine": _machine(), "date": f"{time.strftime('%Y-%m-%d')}", "nanoseconds": times_by_key}
     with whole_file(path) as part:
-        part.write_text(json.dumps(told))
+        part.write_text(json.dumps(record))
 
 
 def recall(measured: Callable, effects: Effects) -> float | None:
     """Time per particle-step as last ``measured`` on this machine [ns]; None if never."""
-    return _kept().get(_key(measured, effects))
+    return _stored().get(_key(measured, effects))
 
 
 def _key(measured: Callable, effects: Effects) -> str:
     return " ".join([measured.__name__, *(f"{name}={value}" for name, value in asdict(effects).items())])
 
 
-def _kept() -> dict[str, float]:
+def _stored() -> dict[str, float]:
     try:
         stored = json.loads(_file().read_text())
     except (FileNotFoundError, json.JSONDecodeError):
@@ -132,8 +132,8 @@ def _kept() -> dict[str, float]:
 def measure_study(config) -> None:
     """Measure the cost of a study's cases, and of each of their effects."""
     from ..sweep.cases import Cases
-    from ..sweep.plan import plan
+    from ..sweep.plan import make_plan
 
-    own = {effects for effects, _ in plan(Cases(config)).groups}
-    remember(moving, moving(list(own)))
-    remember(frozen, frozen(list(own | {without(effects, name) for effects in own for name in TOGGLES})))
+    sets = {effects for effects, _ in make_plan(Cases(config)).groups}
+    remember(moving, moving(list(sets)))
+    remember(frozen, frozen(list(sets | {without(effects, name) for effects in sets for name in TOGGLES})))

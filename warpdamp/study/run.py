@@ -18,7 +18,7 @@ from ..status import FIRST_UNFINISHED, Status
 from ..sweep.cases import Cases
 from ..sweep.load import load, load_plan
 from ..sweep.plan import Plan, load_or_make_plan, save_plan
-from ..sweep.resolve import applied, settled, shortened
+from ..sweep.resolve import self_contained, shortened, with_tolerance
 from .dataset import assemble
 
 if TYPE_CHECKING:
@@ -97,8 +97,8 @@ def run(
     """
     with TemporaryDirectory(prefix="warpdamp-") as scratch:
         folder = Path(store or scratch)
-        made = carry_out(config, folder, executor=executor, workers=workers, quick=quick, limit=limit, report=report)
-        return _collected(made, Store(folder))
+        plan = carry_out(config, folder, executor=executor, workers=workers, quick=quick, limit=limit, report=report)
+        return _collected(plan, Store(folder))
 
 
 def carry_out(
@@ -147,30 +147,30 @@ def carry_out(
         raise ValueError(f"workers must be at least 1, got {workers}")
     if not isinstance(config, Config):
         config = load(config)
-    config = applied(settled(shortened(config) if quick else config))
-    kept = Store(store)
-    with kept.lock(part):
+    config = with_tolerance(self_contained(shortened(config) if quick else config))
+    results = Store(store)
+    with results.lock(part):
         report("modes", 0.0)
-        made = load_or_make_plan(Cases(config), kept.folder)
+        plan = load_or_make_plan(Cases(config), results.folder)
         report("modes", 1.0)
-        _refuse_what_does_not_fit(made)
-        save_plan(made, kept.folder)
-        numbers = _left(made, kept, part)
-        with RunLog(kept.folder, len(numbers), part) as run_log:
+        _refuse_what_does_not_fit(plan)
+        save_plan(plan, results.folder)
+        numbers = _left(plan, results, part)
+        with RunLog(results.folder, len(numbers), part) as run_log:
             if len(numbers):
-                with worker_pool(executor, workers) as own:
-                    runner = Runner(made, kept, own, run_log, limit, report)
+                with worker_pool(executor, workers) as pool:
+                    runner = Runner(plan, results, pool, run_log, limit, report)
                     runner.run(numbers)
-                    for further in _further(made, kept, part, numbers):
+                    for further in _further(plan, results, part, numbers):
                         run_log.further(len(further))
                         runner.run(further)
-    return made
+    return plan
 
 
-def _further(made: Plan, kept: Store, part: tuple[int, int] | None, tried: np.ndarray) -> Iterator[np.ndarray]:
+def _further(plan: Plan, store: Store, part: tuple[int, int] | None, tried: np.ndarray) -> Iterator[np.ndarray]:
     """Numbers of the cases that the results so far require, round by round; each is tried once."""
-    while made.cases.config.accuracy is not None:
-        numbers = np.setdiff1d(_left(made, kept, part), tried)
+    while plan.cases.config.accuracy is not None:
+        numbers = np.setdiff1d(_left(plan, store, part), tried)
         if not len(numbers):
             return
         tried = np.union1d(tried, numbers)
@@ -195,11 +195,11 @@ def collect(store: str | Path) -> xr.Dataset:
     StoreError
         If there is no study in the folder.
     """
-    kept = Store.existing(store)
-    return _with_accessor(assemble(load_plan(kept.folder), kept.read()))
+    results = Store.existing(store)
+    return _with_accessor(assemble(load_plan(results.folder), results.read()))
 
 
-def _collected(made: Plan, kept: Store) -> xr.Dataset:
+def _collected(plan: Plan, store: Store) -> xr.Dataset:
     """Dataset of what is done, unless every case failed.
 
     Raises
@@ -207,9 +207,9 @@ def _collected(made: Plan, kept: Store) -> xr.Dataset:
     ConfigError, SimulationError
         If every case failed.
     """
-    finished = kept.read()
-    _raise_if_all_failed(made, finished)
-    return _with_accessor(assemble(made, finished))
+    finished = store.read()
+    _raise_if_all_failed(plan, finished)
+    return _with_accessor(assemble(plan, finished))
 
 
 def _with_accessor(dataset: xr.Dataset) -> xr.Dataset:
@@ -219,7 +219,7 @@ def _with_accessor(dataset: xr.Dataset) -> xr.Dataset:
     return dataset
 
 
-def _raise_if_all_failed(made: Plan, finished: Finished) -> None:
+def _raise_if_all_failed(plan: Plan, finished: Finished) -> None:
     """Raise if every case failed; a single failed case of a sweep is a value.
 
     Raises
@@ -228,38 +228,38 @@ def _raise_if_all_failed(made: Plan, finished: Finished) -> None:
     """
     from ..errors import SimulationError
 
-    own = np.isin(finished.keys, made.keys[made.to_run()])
-    status = finished.status[own]
-    energy = finished.values.get("energy_dissipated", np.full(len(finished), np.nan))[own]
-    if not own.any() or np.isfinite(energy).any():
+    in_study = np.isin(finished.keys, plan.keys[plan.to_run()])
+    status = finished.status[in_study]
+    energy = finished.values.get("energy_dissipated", np.full(len(finished), np.nan))[in_study]
+    if not in_study.any() or np.isfinite(energy).any():
         return
     worst = Status(int(status.max()))
-    said = next((message for message in finished.messages[own] if message), worst.meaning)
-    raise SimulationError(f"all {own.sum()} cases failed: {said}")
+    reason = next((message for message in finished.messages[in_study] if message), worst.meaning)
+    raise SimulationError(f"all {in_study.sum()} cases failed: {reason}")
 
 
-def _left(made: Plan, kept: Store, part: tuple[int, int] | None) -> np.ndarray:
+def _left(plan: Plan, store: Store, part: tuple[int, int] | None) -> np.ndarray:
     """Numbers of the cases to run: needed, of this part, and not in the store."""
-    finished = kept.read(NEEDED, repair=True)
-    numbers = needed_cases(made, finished)
+    finished = store.read(NEEDED, repair=True)
+    numbers = needed_cases(plan, finished)
     if part is not None:
         k, n = part
-        owners = made.keys[made.chain[_first_packings(made)[numbers]]]
-        own = np.array([int.from_bytes(bytes(owner)[:7], "big") % n == k - 1 for owner in owners], bool)
-        numbers = numbers[own]
-    return numbers[~np.isin(made.keys[numbers], finished.keys[finished.status < FIRST_UNFINISHED])]
+        owners = plan.keys[plan.chain[_first_packings(plan)[numbers]]]
+        in_part = np.array([int.from_bytes(bytes(owner)[:7], "big") % n == k - 1 for owner in owners], bool)
+        numbers = numbers[in_part]
+    return numbers[~np.isin(plan.keys[numbers], finished.keys[finished.status < FIRST_UNFINISHED])]
 
 
-def _first_packings(made: Plan) -> np.ndarray:
+def _first_packings(plan: Plan) -> np.ndarray:
     """Case by which each is assigned to a part: itself or, with a tolerance, its point's first packing.
 
     Whether a point needs another packing is seen only by who has the others.
     """
-    every = np.arange(len(made.keys))
-    return every if made.cases.config.accuracy is None else every - every % made.cases.shape[-1]
+    numbers = np.arange(len(plan.keys))
+    return numbers if plan.cases.config.accuracy is None else numbers - numbers % plan.cases.shape[-1]
 
 
-def _refuse_what_does_not_fit(made: Plan) -> None:
+def _refuse_what_does_not_fit(plan: Plan) -> None:
     """Refuse a single bed that cannot be made before anything long starts; one of several is a failed case.
 
     Raises
@@ -269,11 +269,11 @@ def _refuse_what_does_not_fit(made: Plan) -> None:
     from ..damper.placement import separate
     from ..errors import PackingError
 
-    if math.prod(made.cases.shape[2:-1]) > 1:
+    if math.prod(plan.cases.shape[2:-1]) > 1:
         return
-    for number in made.beds.values():
-        spec, _ = made.cases.spec(number)
+    for number in plan.beds.values():
+        spec, _ = plan.cases.spec(number)
         try:
             separate(spec.bed.grains.radius, spec.scene.enclosure, spec.bed.seed)
         except PackingError as error:
-            raise made.cases.config.error(error.key, str(error)) from None
+            raise plan.cases.config.error(error.key, str(error)) from None

@@ -122,14 +122,14 @@ def _flat(nodes):
 
 
 def _below(node, part):
-    for one in _flat([node]):
-        if part in one.get("properties", {}):
-            yield one["properties"][part]
-        elif isinstance(part, int) and "items" in one:
-            yield one["items"]
-        elif isinstance(one.get("additionalProperties"), dict):
-            yield one["additionalProperties"]
-        yield from one.get("patternProperties", {}).values()
+    for alternative in _flat([node]):
+        if part in alternative.get("properties", {}):
+            yield alternative["properties"][part]
+        elif isinstance(part, int) and "items" in alternative:
+            yield alternative["items"]
+        elif isinstance(alternative.get("additionalProperties"), dict):
+            yield alternative["additionalProperties"]
+        yield from alternative.get("patternProperties", {}).values()
 
 
 def tree(config: Config) -> dict:

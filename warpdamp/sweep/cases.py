@@ -2,18 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING
-
-from ..config.study import Config
-from ..numerics.tolerance import settings_for
-from ..scene.scene import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from ..damper.case import Criteria
-
 import itertools
 import json
+import math
 from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -24,7 +15,10 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..config.build import as_list, drive, grains, particle_mass, scene
+from ..config.study import Config
 from ..errors import ConfigError
+from ..numerics.tolerance import settings_for
+from ..scene.scene import STANDARD_GRAVITY
 from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, coordinate_names, dotted, leaves, put, tree, tree_copy
 from .exclude import Exclusions
 from .reader import read_axes
@@ -159,15 +153,15 @@ class Cases:
         if single.excitation.frequency != "modes":
             return Point(index, single, None, tuple(as_list(single.excitation.frequency)))
         try:
-            own = self._own_modes(single)
+            modes = self._own_modes(single)
         except ConfigError as problem:
             if not any(path[0] == "structure" for axis in self.axes for path in axis.paths):
                 raise
             return Point(index, None, refused=str(problem))  # here only: a damper on a node, a mode that is not there
-        if "shape" in vars(self) and len(own.number) != self.shape[0]:
+        if "shape" in vars(self) and len(modes.number) != self.shape[0]:
             return Point(index, None, refused="the structure has other modes here: name them in structure.modes")
         # to a microhertz: an eigensolver's last bits depend on the machine, and beds are chaotic
-        return Point(index, single, own, tuple(round(float(f), 6) for f in own.frequency))
+        return Point(index, single, modes, tuple(round(float(f), 6) for f in modes.frequency))
 
     def _own_modes(self, single: Config) -> Modes:
         """Modes of the structure with a point's particles; computed once for each structure and particle mass."""
@@ -204,8 +198,6 @@ class Cases:
             If a forced step does not resolve the shortest contact expected.
         """
         from ..damper.case import Spec
-
-        pass
 
         i, j, k = position
         config = point.config
@@ -252,7 +244,7 @@ class Cases:
         return self._beds[index, seed]
 
 
-def steps_of(config: Config, driven, own) -> int:
+def steps_of(config: Config, driven, particles) -> int:
     """Steps per cycle, chosen or forced.
 
     Raises
@@ -271,10 +263,10 @@ def steps_of(config: Config, driven, own) -> int:
 
     numerics = config.numerics
     if numerics.step == "auto":
-        return steps_per_cycle(driven, own, steps_per_contact=numerics.steps_per_contact)
-    longest = contact_step(driven, own, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
+        return steps_per_cycle(driven, particles, steps_per_contact=numerics.steps_per_contact)
+    longest = contact_step(driven, particles, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
     if numerics.step > longest:
-        shortest = shortest_contact(driven, own, expected_speed(driven, own.radius))
+        shortest = shortest_contact(driven, particles, expected_speed(driven, particles.radius))
         raise config.error(
             "numerics.step",
             f"{numerics.step:.3g} s is too large for the shortest contact expected, {shortest:.3g} s at "
@@ -288,8 +280,8 @@ def criteria_of(config: Config, frequency: float) -> Criteria:
     """Criteria by which a case at a frequency [Hz] ends."""
     from ..damper.case import Criteria, paper_criteria
 
-    wanted = config.steady_state
-    if wanted.recipe == "paper":
+    steady_state = config.steady_state
+    if steady_state.recipe == "paper":
         return paper_criteria(frequency)
     slack = settings_for(config.accuracy.tolerance).slack if config.accuracy else 0.0
-    return Criteria(wanted.standard_error, wanted.fewest_cycles, wanted.most_cycles, slack=slack)
+    return Criteria(steady_state.standard_error, steady_state.fewest_cycles, steady_state.most_cycles, slack=slack)

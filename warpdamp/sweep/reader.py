@@ -61,12 +61,12 @@ class Reader:
         if isinstance(condition, Between):
             low, high = (self._single(path, end, place) for end in (condition.from_, condition.to))
             return path, Between(from_=low, to=high)
-        some = condition if isinstance(condition, list) else [condition]
-        return path, [self._single(path, value, place) for value in some]
+        values = condition if isinstance(condition, list) else [condition]
+        return path, [self._single(path, value, place) for value in values]
 
     def read(self) -> tuple[Config, list[Axis]]:
         """Read the sweep; see ``read_axes``."""
-        found = self._in_place()
+        lists = self._in_place()
         sweep = self.config.sweep
         together: list[Axis] = []
         config = self.config
@@ -74,18 +74,18 @@ class Reader:
             for key, values in sweep.product.items():
                 place = ("sweep", "product", key)
                 path = self._take(key, place)
-                found.append((path, self._distinct(self._values(path, values, place), place)))
+                lists.append((path, self._distinct(self._values(path, values, place), place)))
             for k, group in enumerate(sweep.zip):
                 together.append(self._zipped(group, ("sweep", "zip", k)))
             if sweep.sample:
                 together.append(self._sampled(sweep.sample))
             if sweep.csv:
                 together.append(self.table(sweep.csv))
-            config = self._folded(found)
-        paths = [path for path, _ in found if path not in OWN]
+            config = self._folded(lists)
+        paths = [path for path, _ in lists if path not in OWN]
         names = coordinate_names([*paths, *(path for axis in together for path in axis.paths)])
-        own = [Axis(names[path], (path,), tuple((v,) for v in values)) for path, values in found if path not in OWN]
-        return config, own + _merged(together)
+        axes = [Axis(names[path], (path,), tuple((v,) for v in values)) for path, values in lists if path not in OWN]
+        return config, axes + _merged(together)
 
     def _in_place(self) -> list[tuple[Path, list]]:
         """Lists that stand where a scalar may."""
@@ -106,13 +106,13 @@ class Reader:
             raise self.config.error(place, "each value once")
         return values
 
-    def _folded(self, found) -> Config:
+    def _folded(self, lists) -> Config:
         """Configuration with the product's frequencies, gammas and seeds in place of its own."""
         values = self.base | {"sweep": None}
-        for path, some in found:
+        for path, values_of_axis in lists:
             if path in OWN:
                 node = values if path == SEED else values[path[0]]
-                node[path[-1]] = sorted(some)
+                node[path[-1]] = sorted(values_of_axis)
         folded = Config.model_validate(values)
         folded._source = self.config._source
         return folded.model_copy(update={"sweep": self.config.sweep})
@@ -155,9 +155,9 @@ class Reader:
         try:
             read = tree(Config.model_validate(values))
         except ValidationError as error:
-            own = [e for e in error.errors() if any(_at(e["loc"], path) for path in row)]
-            if own:
-                raise self.config.error(place, _said(own[0], row)) from None
+            relevant = [e for e in error.errors() if any(_at(e["loc"], path) for path in row)]
+            if relevant:
+                raise self.config.error(place, _message(relevant[0], row)) from None
             return {path: _in_si(path, value) for path, value in row.items()}  # another combination may be possible
         return {path: get(read, path) for path in row}
 
@@ -231,7 +231,7 @@ class Reader:
 def _at(loc: tuple, path: Path) -> bool:
     """Whether an error is about a scalar itself (unions add names of their own to its place)."""
     parts = iter(loc)
-    return all(any(part == wanted for part in parts) for wanted in path)
+    return all(any(part == key for part in parts) for key in path)
 
 
 def _in_si(path: Path, value):
@@ -239,7 +239,7 @@ def _in_si(path: Path, value):
     return value if unit is None else to_si(value, unit)
 
 
-def _said(error, row: dict) -> str:
+def _message(error, row: dict) -> str:
     """Message of the models in one line."""
     message = error["msg"].removeprefix("Value error, ")
     given = " and ".join(f"{dotted(path)} = {value!r}" for path, value in row.items())

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..config.build import as_list
@@ -12,11 +10,8 @@ from ..numerics.tolerance import settings_for
 from .axes import dotted
 from .reader import Reader
 
-if TYPE_CHECKING:
-    from ..config.study import Config
 
-
-def applied(config: Config) -> Config:
+def with_tolerance(config: Config) -> Config:
     """Configuration with the step, the length and the packings that its tolerance chooses.
 
     Raises
@@ -42,7 +37,7 @@ def applied(config: Config) -> Config:
     return changed
 
 
-def settled(config: Config) -> Config:
+def self_contained(config: Config) -> Config:
     """Configuration that does not depend on its folder: its table read in, absolute paths of its other files.
 
     Raises
