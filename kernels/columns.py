@@ -27,7 +27,7 @@ STORES = (
 )
 
 INDICATORS = ("floor_impulse", "lid_impulse", "displacement")
-"""What tells the regime of motion: normal impulses on floor and lid [N s], and the particles' root mean square
+"""Indicators of the regime of motion: normal impulses on floor and lid [N s], and the particles' root mean square
 displacement over the last cycle, less the common one [m].  The last is of the moment."""
 
 STRUCTURE = ("force_work", "structure_loss", "structure_energy", "frame_energy")

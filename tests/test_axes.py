@@ -234,7 +234,7 @@ def test_the_physics_is_part_of_the_key(study, monkeypatch):
 @pytest.mark.parametrize(
     ("sweep", "message"),
     [
-        ("  product: {contact.frction: [1, 2]}\n", r"12:13: sweep.product.contact.frction: is no scalar.*did you mean 'contact.friction'"),
+        ("  product: {contact.frction: [1, 2]}\n", r"12:13: sweep.product.contact.frction: is not a scalar.*did you mean 'contact.friction'"),
         ("  product: {contact.friction: [0.1, -1]}\n", r"sweep.product.contact.friction.1: .*greater than or equal to 0"),
         ("  product: {contact.friction: [0.1, 10 %]}\n", r"each value once"),
         ("  product: {height: [10 mm, 20 kg]}\n", r"sweep.product.height.1: .*wrong unit"),
@@ -247,7 +247,7 @@ def test_the_physics_is_part_of_the_key(study, monkeypatch):
         ("  zip: [{friction: [0.1, 0.2], restitution: [0.5]}]\n", r"need as many values each, got contact.friction 2, contact.restitution 1"),
         ("  sample: {n: 4, over: {friction: [0.5, 0.5]}}\n", r"sweep.sample.over.friction: the ends of a range must differ"),
         ("  sample: {n: 4, method: random, over: {friction: [0, 1]}}\n", r"'random' is not one of 'sobol' or 'latin_hypercube'"),
-        ("  exclude: [{frictoin: 1}]\n", r"sweep.exclude.0.frictoin: is no scalar"),
+        ("  exclude: [{frictoin: 1}]\n", r"sweep.exclude.0.frictoin: is not a scalar"),
         ("  produt: {}\n", r"sweep.produt: unknown key; did you mean 'product'\?"),
     ],
 )  # fmt: skip

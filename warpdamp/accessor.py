@@ -46,7 +46,7 @@ class Damper:
         Raises
         ------
         ValueError
-            If Gamma is no dimension.
+            If Gamma is not a dimension.
         """
         from .analysis.optimum import optimum
 
@@ -171,7 +171,7 @@ def open_results(path: str | Path) -> xr.Dataset:
     Raises
     ------
     UsageError
-        If the file is no results file.
+        If the file is not a results file.
     FileNotFoundError
         If there is no such file.
 
@@ -188,8 +188,8 @@ def open_results(path: str | Path) -> xr.Dataset:
     try:
         dataset = xr.open_dataset(path)
     except ValueError:
-        raise UsageError(f"{path}: is no netCDF file") from None
+        raise UsageError(f"{path}: is not a netCDF file") from None
     if "status" not in dataset:
         dataset.close()
-        raise UsageError(f"{path}: is no results file of warpdamp (it has no status)")
+        raise UsageError(f"{path}: is not a results file of warpdamp (it has no status)")
     return dataset

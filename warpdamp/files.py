@@ -45,7 +45,7 @@ def keep(path: Path, content: bytes) -> None:
     except OSError as error:
         part.unlink(missing_ok=True)
         raise StoreError(
-            f"{path.parent} cannot be written: {error.strerror}; what is finished is kept: make room and run again"
+            f"{path.parent} cannot be written: {error.strerror}; finished cases are stored: free space and run again"
         ) from None
 
 

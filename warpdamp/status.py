@@ -39,9 +39,9 @@ _MEANINGS = {
     Status.NOT_FINITE: "the state was no longer finite: raise numerics.steps_per_contact",
     Status.ESCAPED: "a particle left the cavity: raise numerics.steps_per_contact, or lower the amplitude",
     Status.FAILED: "could not be run; see message; a further run tries again",
-    Status.DIED: "its process died each time, perhaps for want of memory; a further run tries again",
+    Status.DIED: "its process died each time, perhaps out of memory; a further run tries again",
     Status.OVERDUE: "its process was stopped at the limit of time; a further run tries again",
-    Status.REFUSED: "a combination that cannot be; see message",
+    Status.REFUSED: "an impossible combination; see message",
     Status.EXCLUDED: "left out by sweep.exclude",
     Status.NOT_RUN: "not run yet",
 }

@@ -65,7 +65,7 @@ BLOCK_FLUIDISATION = 2.58
 """Gamma at which a plastic block that does not meet the lid, under gravity along the axis, dissipates most."""
 
 BLOCK_INTERCEPT = 1.08
-"""By how much gravity along the axis raises the Gamma of eq. 1 (fit to the plastic block between floor and lid)."""
+"""Increase of the Gamma of eq. 1 by gravity along the axis (fit to the plastic block between floor and lid)."""
 
 
 def collision_optimum(frequency, clearance, *, gravity: bool = True):
@@ -115,13 +115,13 @@ def optimum(dataset: xr.Dataset, of: str = "effectiveness") -> xr.Dataset:
     Raises
     ------
     ValueError
-        If Gamma is no dimension.
+        If Gamma is not a dimension.
     """
     import xarray as xr
 
     value, error = dataset[of], dataset[f"{of}_standard_error"]
     if "gamma" not in value.dims:
-        raise ValueError("an optimum needs a curve: gamma is no dimension of this Dataset")
+        raise ValueError("an optimum needs a curve: gamma is not a dimension of this Dataset")
     inner = [dim for dim in ("gamma", "seed") if dim in value.dims]
     outer = [dim for dim in value.dims if dim not in inner]
     clearance = dataset["clearance"].mean([dim for dim in dataset["clearance"].dims if dim not in outer])

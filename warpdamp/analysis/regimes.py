@@ -1,7 +1,7 @@
 """Regimes of motion, from recorded indicators: how the bed is carried, and whether its particles stay in place.
 
 The change from one to the next is gradual; the limits below are conventions, chosen where the paper's bed changes its
-ways.
+motion.
 """
 
 from __future__ import annotations

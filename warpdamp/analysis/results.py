@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 CLAIMED = ("energy_dissipated", "effectiveness")
-"""Variables whose mean over packings carries the claim of ``energy_mean``: spread, memory, averaging and step."""
+"""Variables whose mean over packings has the error of ``energy_mean``: spread, memory, averaging and step."""
 
 
 def over_packings(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
@@ -130,7 +130,7 @@ def read(path: Path) -> xr.Dataset:
     Raises
     ------
     UsageError
-        If the file is no netCDF file, or holds no results.
+        If the file is not a netCDF file, or holds no results.
     FileNotFoundError
         If there is no such file.
     """
@@ -139,9 +139,9 @@ def read(path: Path) -> xr.Dataset:
     try:
         dataset = xr.load_dataset(path)
     except ValueError:
-        raise UsageError(f"{path}: is no netCDF file") from None
+        raise UsageError(f"{path}: is not a netCDF file") from None
     if "effectiveness" not in dataset:
-        raise UsageError(f"{path}: is no results file of warpdamp (it has no effectiveness)")
+        raise UsageError(f"{path}: is not a results file of warpdamp (it has no effectiveness)")
     return dataset
 
 

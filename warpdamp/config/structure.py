@@ -236,7 +236,7 @@ SHOWN = {1: "290 mm", 2: "[100 mm, 50 mm]", 3: "[100 mm, 50 mm, 2 mm]"}
 
 
 def _check_place(structure: StructureConfig, place: str, mass: PointMassConfig) -> None:
-    """A mass has the coordinates that its structure calls for, and sits where it can move."""
+    """Check that a mass has the coordinates of its structure, and sits where it can move."""
     source = structure.source
     position = mass.position if isinstance(mass.position, list) else [mass.position]
     if len(position) != COORDINATES[source]:

@@ -145,4 +145,4 @@ class Config(Model):
 
 
 PRESETS = {"fast": 0.05, "balanced": 0.03, "reference": 0.02}
-"""Tolerances by name; what they choose, and that they err by 3.0, 1.3 and 1.4 %, is in docs/accuracy.md."""
+"""Tolerances by name; their settings, and their errors of 3.0, 1.3 and 1.4 %, are in docs/accuracy.md."""

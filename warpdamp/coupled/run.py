@@ -41,7 +41,7 @@ AVERAGES = 8
 """Pieces that the spectra of random forces are averaged over, half of each overlapping the next."""
 
 LEAST_POWER = 1e-6
-"""Of a force, over its largest: lines with less tell nothing of the structure and are left out."""
+"""Smallest usable power of a force over its largest: lines with less are left out."""
 
 STEADY = 0.02
 """A window is steady if its amplitude is the one before's to this part."""

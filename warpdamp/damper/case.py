@@ -43,7 +43,7 @@ FEWEST_BLOCKS, MOST_BLOCKS = 30, 60
 
 
 RECIPE = (GROWN, SHAKING_GAMMA, SHAKING_AMPLITUDE, BLOCK, WINDOW, STILL, FEWEST_BLOCKS, MOST_BLOCKS)
-"""A part of every bed's key, so that beds made by another recipe are not taken for these."""
+"""A part of every bed's key, so that beds made by another recipe are not mistaken for these."""
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Cases that a study needs, given the results of those that are finished.
 
-Without a tolerance all of them.  With one every point begins with a few packings and gets more of them until they tell
-its energy well enough.  The answer depends on finished cases only, not on when and where they ran: a
-study that was interrupted goes on as it would have.
+Without a tolerance all of them.  With one every point begins with a few packings and gets more of them until its
+energy is known well enough.  The answer depends on finished cases only, not on when and where they ran: a
+study that was interrupted continues as it would have.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 _VALUES = (*PARTS, "maximum_energy")
 
 NEEDED = ("status", *_VALUES)
-"""What of the finished cases is looked at."""
+"""Variables of the finished cases that are read."""
 
 
 def needed_cases(plan: Plan, finished: Finished) -> np.ndarray:
     """Numbers of the cases that the study needs, finished ones among them.
 
-    Where beds are carried on from one amplitude to the next, a packing called for at one of them is run at all.
+    Where beds are carried on from one amplitude to the next, a packing needed at one of them is run at all.
     """
     numbers, accuracy = plan.to_run(), plan.cases.config.accuracy
     if accuracy is None:

@@ -16,17 +16,17 @@ BATCH_COST = 1.5e8
 nothing, and no more than a kill may take away."""
 
 MOST_CASES = 256
-"""To a batch: what they keep in memory stays small."""
+"""Most cases of a batch, so that its memory stays small."""
 
 AHEAD = 2
 """A batch is no more than one of so many shares of each worker in what is left: batches become smaller towards the end,
 so that all workers finish together."""
 
 SMALLEST_SHARE = 50
-"""And no less than one of so many shares of each worker in the whole."""
+"""A batch is no less than one of so many shares of each worker in the whole."""
 
 SLOWEST = 3e-6
-"""Seconds that a particle-step may take (thirty times what is usual) before a worker is taken for hanging."""
+"""Seconds that a particle-step may take (thirty times what is usual) before a worker counts as hanging."""
 
 PATIENCE = 300.0
 """Seconds that a batch may take in any case: kernels are compiled, and beds made, in them."""

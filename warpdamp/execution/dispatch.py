@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 TICK = 1.0
-"""Seconds between looks at what is in progress."""
+"""Seconds between two checks of the jobs in progress."""
 
 LOSSES = 3
-"""After so many losses a job is taken apart, and its parts are run with nothing else in progress; after as many more a
+"""After so many losses a job is split, and its parts are run with nothing else in progress; after as many more a
 part is abandoned."""
 
 STARTS_WITHIN = 600.0
@@ -39,9 +39,9 @@ class Job:
     Parameters
     ----------
     parts : list
-        What it can be taken apart into.
+        What it can be split into.
     limit : float
-        Seconds from its start on a worker after which it is taken for hanging.
+        Seconds from its start on a worker after which it counts as hanging.
     losses : int
         How often it did not come back.
     suspect : bool
@@ -196,7 +196,7 @@ class _Dispatcher:
         lost, self.lost = self.lost + hanging, []
         if lost and self.pool.restart(hanging=bool(hanging)):
             others = [self._landed(future) for future in list(self.in_flight)]
-            if hanging:  # they were stopped for no fault of theirs
+            if hanging:  # stopped although they did not hang
                 self.retries.extend(others)
             else:
                 lost += [_Lost(job, "its worker died, or another's did") for job in others]

@@ -19,14 +19,14 @@ from multiprocessing import get_context
 from ..errors import ExecutorError, MissingLibrary
 
 ANSWERS_WITHIN = 15.0
-"""Seconds that a Dask scheduler has to answer."""
+"""Seconds within which a Dask scheduler must answer."""
 
 COMES_BACK_WITHIN = 120.0
-"""Seconds that a Dask cluster has for its first new worker after a restart."""
+"""Seconds within which a Dask cluster must have its first new worker after a restart."""
 
 LOCAL_DASK = {"distributed.scheduler.allowed-failures": 0, "distributed.deploy.lost-worker-timeout": "1 day"}
-"""Of a cluster started here.  What was lost with a worker is this program's to try again, not Dask's three more times;
-and a worker that is being restarted is not to be given up because another restart came 15 s before."""
+"""Dask options of a cluster started here.  This program retries what was lost with a worker, so Dask must not; and a
+worker that is being restarted must not be abandoned because another restart came 15 s before."""
 
 
 class WorkerPool:
@@ -50,7 +50,7 @@ class WorkerPool:
         if hanging or getattr(self.executor, "_broken", False):
             what = "a job is over its limit of time" if hanging else "a worker died"
             raise ExecutorError(
-                f"{what}, and an executor of one's own is not repaired from here: what is finished is kept: start again"
+                f"{what}, and an executor that was passed in cannot be repaired: finished cases are stored: start again"
             )
         return False
 
@@ -124,7 +124,7 @@ class Cluster(WorkerPool):
             except TimeoutError:
                 raise ExecutorError(
                     "a job was over its limit of time, and no Dask worker came back within "
-                    f"{COMES_BACK_WITHIN:.0f} s of a restart: what is finished is kept: start again"
+                    f"{COMES_BACK_WITHIN:.0f} s of a restart: finished cases are stored: start again"
                 ) from None
         return hanging
 
@@ -199,7 +199,7 @@ def _main_hidden():
     """Context in which workers do not import the script that was started.
 
     The workers do not need it, and a script that calls ``run`` at its top level would start itself again in every one
-    of them: so they are not told of it.
+    of them: so it is hidden from them.
     """
     main = sys.modules["__main__"]
     hidden = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}

@@ -17,7 +17,7 @@ from .run_log import EVERY
 from .store import Store
 
 SILENT = 12 * EVERY
-"""Seconds without a sign of life after which a run is taken for dead."""
+"""Seconds without an update after which a run counts as dead."""
 
 
 def status(folder: str | Path) -> Iterator[str]:
@@ -37,12 +37,12 @@ def status(folder: str | Path) -> Iterator[str]:
     yield f"{store.folder}: {plan.cases.config.title}"
     share, left = 100 * done / max(1, len(keys)), len(keys) - done - failed
     yield f"  {done} of {len(keys)} cases done ({share:.1f} %), {failed} failed, {left} left"
-    for fate, what in ((Fate.EXCLUDED, "excluded"), (Fate.REFUSED, "combinations that cannot be")):
+    for fate, what in ((Fate.EXCLUDED, "excluded"), (Fate.REFUSED, "impossible combinations")):
         if count := int(np.sum(plan.fate == fate)):
             yield f"  {count} {what}"
     if len(stored) > in_study.sum():
         others = len(stored) - int(in_study.sum())
-        yield f"  {others} cases of other studies, or of another version of the physics, are kept, too"
+        yield f"  {others} cases of other studies, or of another version of the physics, are stored, too"
     runs = [json.loads(path.read_text()) for path in sorted((store.folder / "runs").glob("*.json"))]
     at_work = [run for run in runs if not run["ended"] and time.time() - run["seen"] < SILENT] if store.in_use() else []
     for run in at_work:
@@ -50,8 +50,8 @@ def status(folder: str | Path) -> Iterator[str]:
     if not at_work:
         last = max(runs, key=lambda run: run["started"], default=None)
         ended = f"; the last run {last['ended'] or 'was killed'}" if last else ""
-        rest = "" if done == len(keys) else "; run again to go on"
-        yield f"  nothing at work{ended}{rest}"
+        rest = "" if done == len(keys) else "; run again to continue"
+        yield f"  no run in progress{ended}{rest}"
 
 
 def _run_line(run: dict) -> str:
@@ -61,7 +61,7 @@ def _run_line(run: dict) -> str:
     if run["done"]:
         left = duration(spent * (run["cases"] - run["done"]) / run["done"])
     return (
-        f"at work: process {run['process']} on {run['host']}{part}: {run['done']} of {run['cases']} cases in "
+        f"in progress: process {run['process']} on {run['host']}{part}: {run['done']} of {run['cases']} cases in "
         f"{duration(spent)}, {run['batches_at_work']} batches in progress, {run['unfinished']} failed; "
         f"time left: {left}"
     )

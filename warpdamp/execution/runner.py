@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .store import Store
 
 LONGEST_BED = 7200.0
-"""Seconds after which a worker that makes a bed is taken for hanging."""
+"""Seconds after which a worker that makes a bed counts as hanging."""
 
 
 class Runner:
@@ -32,10 +32,10 @@ class Runner:
     Parameters
     ----------
     plan : Plan
-    store : where they are kept
+    store : Store of the finished cases
     pool : WorkerPool
     run_log : RunLog
-    limit : seconds after which a batch is taken for hanging; None: by its cost
+    limit : seconds after which a batch counts as hanging; None: by its cost
     report : called as ``report(stage, part_done)``
     """
 

@@ -1,8 +1,8 @@
 """Store of finished cases on disk: immutable shards, whose union is what is done.
 
 A shard is a small netCDF file that holds the cases of one batch.  It is written aside, flushed to disk and renamed, and
-its name is the hash of its content: a shard that was cut short or altered is known at once, moved aside, and its
-cases run again.  Shards do not know which study they belong to; cases are found by their keys.
+its name is the hash of its content: a shard that was cut short or altered is detected, moved aside, and its cases run
+again.  Shards do not know which study they belong to; cases are found by their keys.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class Store:
         if len(below) == 1:
             return cls(below[0])
         which = f"name one of {', '.join(map(str, below))}" if below else "give the folder that warpdamp run -o made"
-        raise StoreError(f"{folder}: is no folder of a sweep: {which}")
+        raise StoreError(f"{folder}: is not a folder of a sweep: {which}")
 
     def write(self, rows: list[tuple[bytes, dict]]) -> Path:
         """Write cases, given as (key, values), to one shard, whole or not at all; returns its path.
@@ -152,7 +152,7 @@ class Store:
     def lock(self, part: tuple[int, int] | None):
         """Hold the folder, or one part of it, during a run.
 
-        The system gives the hold up when the process ends, however it ends.
+        The system releases it when the process ends, however it ends.
 
         Raises
         ------
@@ -173,7 +173,7 @@ class Store:
 
     def _held(self, what: str = "") -> str:
         return (
-            f"another run is at work on {what}{self.folder} (see warpdamp status {self.folder}): wait for it, stop it, "
+            f"another run is in progress on {what}{self.folder} (see warpdamp status {self.folder}): wait, stop it, "
             "or share the work, each run with its own --part, as --part 1/2 and --part 2/2"
         )
 

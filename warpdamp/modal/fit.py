@@ -172,7 +172,7 @@ def least_squares(frequency, accelerance, start: list[Fit]) -> list[Fit]:
     scale = np.array([g.frequency for g in start] + [g.damping_ratio for g in start])
     unknowns = 2 * count + 2 * (count + 2)
     if 2 * len(f) <= unknowns:
-        raise ModalError(f"{len(f)} points cannot tell {unknowns} unknowns: fit fewer modes or give more points")
+        raise ModalError(f"{len(f)} points cannot determine {unknowns} unknowns: fit fewer modes or give more points")
     wanted = a / np.abs(a)
 
     def columns(p):

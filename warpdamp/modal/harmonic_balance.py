@@ -32,9 +32,9 @@ DescribingFunction = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Complex force per motion at frequencies [Hz] and amplitudes, arrays of one shape."""
 
 LONGEST_STEP, SHORTEST_STEP = 0.5, 1e-5
-"""Of the continuation, in cells of the grid."""
+"""Steps of the continuation, in cells of the grid."""
 SHARPEST_TURN = np.cos(np.radians(12))
-"""Between the tangents at two points in succession."""
+"""Cosine of the largest angle between the tangents at successive points."""
 
 
 @dataclass(frozen=True)

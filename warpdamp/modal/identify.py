@@ -31,7 +31,7 @@ FIELDS = ("frequency", "damping_ratio", "modal_constant", "frequency_error", "da
 NAMES = ("fitted_frequency", "fitted_damping_ratio", "fitted_modal_constant")
 
 PROMINENCE = 2.0
-"""A peak stands out of the dips beside it by this factor, when nobody says where the modes are."""
+"""A peak stands out of the dips beside it by this factor, when no frequencies are given."""
 
 
 def fits(frf: xr.Dataset, near=None) -> xr.Dataset:

@@ -120,7 +120,7 @@ def _sets(path: Path) -> list[dict]:
             continue
         try:
             sets.append(file.read_sets(k))
-        except Exception:  # pyuff raises nothing more telling
+        except Exception:  # pyuff raises nothing more specific
             raise ValueError(f"{path}: dataset {kind}, the {k + 1}. of the file, cannot be read") from None
     return sets
 
@@ -140,7 +140,7 @@ def _units(path: Path, sets, given: str | None) -> tuple[float, float]:
         name, *right = UNITS[code]
         raise ValueError(
             f"{path}: dataset 164 contradicts itself: units {code} ({name}) have the factors {right[0]:g} and "
-            f"{right[1]:g}, not {length:g} and {force:g}: mend it"
+            f"{right[1]:g}, not {length:g} and {force:g}: correct it"
         )
     return length, force
 

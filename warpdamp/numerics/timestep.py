@@ -13,17 +13,17 @@ from ..scene.particles import State
 from ..scene.scene import Scene, sphere_volume
 
 STEPS_PER_CONTACT = 24
-"""A bed's ledger then closes to half a percent (docs/acceptance.md)."""
+"""Usual steps to the shortest contact: a bed's ledger then closes to half a percent (docs/acceptance.md)."""
 
 FEWEST_STEPS_PER_CONTACT = 10
-"""Below this a contact is not resolved and a forced step is refused."""
+"""Fewest steps to a contact: below, it is not resolved and a forced step is refused."""
 
 STEPS_PER_DASHPOT = 45
-"""Dashpots of strength b (see ``law.dashpot``) take this times b steps a contact: they act on predicted velocities, and
-with fewer a bed of restitution 0.2 and below feeds on them."""
+"""Dashpots of strength b (see ``scene.contact.dashpot``) take this times b steps a contact: they act on predicted
+velocities, and with fewer a bed of restitution 0.2 and below gains energy from them."""
 
 FEWEST_STEPS_PER_CYCLE = 50
-"""So that the drive's own motion is followed to 0.1 %."""
+"""Fewest steps to a cycle, so that the drive's motion is followed to 0.1 %."""
 
 HERTZ_DURATION = 2.943275
 """tc v / d_max of an elastic Hertz contact, (4/5) sqrt(pi) Gamma(2/5) / Gamma(9/10)."""
@@ -103,7 +103,7 @@ def contact_step(scene: Scene, grains, *, steps_per_contact: float = STEPS_PER_C
     Raises
     ------
     ValueError
-        If nothing moves and nothing makes it move: then no step can be told.
+        If nothing moves and nothing makes it move: then no step follows.
     """
     speed = expected_speed(scene, grains.radius)
     if speed == 0:

@@ -2,7 +2,7 @@
 
 The tolerance is the standard error of the energy per cycle, all parts together: step, averaging, packing.  The step
 is chosen beforehand, so that its error is a third of the tolerance at most; each case then runs until its own standard
-error is what is left, and a point that its packings do not agree on well enough gets more of them.
+error is what is left, and a point whose packings scatter too much gets more of them.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ import numpy as np
 from .timestep import FEWEST_STEPS_PER_CONTACT
 
 STEP_ERROR = 0.005
-"""Relative error of the energy per cycle that a study reckons with at 24 steps a contact; of second order.  Six points
+"""Relative error of the energy per cycle that a study assumes at 24 steps a contact; of second order.  Six points
 together show 0.05 %, single ones as much as chance allows to see (docs/accuracy.md)."""
 
 STEP_SHARE = 1 / 3
 """Largest part of the tolerance that is left to the step."""
 
 SLACK = 0.5
-"""Part of the tolerance that a case may still drift by, or be out of balance by, and end: less than what it claims for
+"""Part of the tolerance that a case may still drift by, or be out of balance by, and end: less than the error of
 its bed's state."""
 
 RESIDUAL_FACTOR = 2.5
-"""What a case reckons its step error to be, over the ledger's residual.  Six points together show 0.3; upper bounds of
+"""Estimated step error of a case over the ledger's residual.  Six points together show 0.3; upper bounds of
 single ones, in which chance is the most, reach 4.6 (docs/accuracy.md)."""
 
 LOOSE_MEMORY, TIGHT_MEMORY = 0.035, 0.08
-"""Relative standard error of what one bed says, however well its cycles are averaged: a bed stays in one of many states
+"""Relative standard error of a single bed, however well its cycles are averaged: a bed stays in one of many states
 for hundreds to thousands of cycles, and what a state dissipates differs.  Root mean squares over 159 and 75 cases of
 beds 3.6 to 5.4 spheres across, draws 20, 2026 and 3 of scripts/coverage.py; packings average it out."""
 
@@ -96,7 +96,7 @@ def packings_needed(energies, errors, degrees, memories, steps, largest, toleran
     while n < len(energies) and np.isfinite(energies[:n]).all():
         answer = combined(energies[:n], errors[:n], degrees[:n], memories[:n], steps[:n])
         limit = allowed(tolerance, answer.mean, largest[0])
-        if answer.total_error <= limit or answer.step_error >= limit:  # more packings do not mend a step
+        if answer.total_error <= limit or answer.step_error >= limit:  # more packings do not reduce the step's error
             break
         needed = np.mean(errors[:n] ** 2 + memories[:n] ** 2) / (limit**2 - answer.step_error**2)
         n = min(max(n + 1, math.ceil(needed)), len(energies))

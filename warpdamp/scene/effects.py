@@ -23,9 +23,9 @@ class Effect:
     Parameters
     ----------
     called_for : function of (Scene, grains)
-        Whether a scene of these particles calls for it.
+        Whether a scene of these particles requires it.
     keys : tuple of str
-        Keys of the configuration that call for it, the last where the others are silent; without any, not explained.
+        Keys of the configuration that require it, the last where the others are absent; without any, not explained.
     forcible : bool
         Whether it may be forced on or off; others are the scene's geometry and content, or not to be left out.
     needs : tuple of str
@@ -127,7 +127,7 @@ EFFECTS = {
     "guards": Effect(_always, in_memory=False),
     "structure": Effect(_structure, usual=False),
 }
-"""Every effect, in the order of the fields of ``Effects``; ``precision`` is none of them."""
+"""Effects by name, in the order of the fields of ``Effects``; ``precision`` is not among them."""
 
 FORCIBLE = tuple(name for name, effect in EFFECTS.items() if effect.forcible)
 """Effects that may be forced on or off."""
@@ -159,7 +159,7 @@ class Effects(_Switches):
     channels : bool
         Whether the ledger keeps losses by channel, or only their sum.
     indicators : bool
-        Whether it also keeps what tells the regime of motion: impulses on floor and lid, displacements over a cycle.
+        Whether it also keeps indicators of the regime of motion: impulses on floor and lid, displacements over a cycle.
     guards : bool
         Whether every step checks that the state is finite, and every launch that all particles are in the cavity.
     structure : bool

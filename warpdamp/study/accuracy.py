@@ -134,7 +134,7 @@ def study(
     specs : cases; those of equal frequency and Gamma, of several seeds, are one point
     cycles : how many a case runs
     executor : where they run
-    report : told the part that is done
+    report : called with the part that is done, 0 to 1
 
     Returns
     -------

@@ -33,7 +33,7 @@ TOGGLES: dict[str, dict] = {
     for name in EFFECTS
     if name != "structure"  # the beds that are timed are fixed to nothing
 } | {"precision": {"precision": "float32"}}
-"""What the effects become when one of them is off (precision: float32 instead of float64)."""
+"""Changes to the effects when one of them is off (precision: float32 instead of float64)."""
 
 SIMPLEST = Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False, indicators=False)
 """The simplest law in a closed cavity: frictionless, elastic, no gravity, losses in total, nothing else recorded."""

@@ -31,7 +31,7 @@ MODAL = {
     "modal_mass": "modal_mass",
     "inherent_damping": "inherent_damping",
 }
-"""Variables of the results, and what of ``Modes`` they hold."""
+"""Variables of the results, and the attributes of ``Modes`` that they hold."""
 
 
 def assemble(plan: Plan, finished: Finished) -> xr.Dataset:

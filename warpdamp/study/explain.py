@@ -21,15 +21,15 @@ NOT_MODELLED = (
     "the structure's answer to the damper (the enclosure's motion is prescribed)",
     "air, cohesion, liquid bridges, electrostatic charge",
     "wear, breakage, plastic flow and heating of the particles",
-    "particles that are no spheres; friction against spinning about the normal",
+    "particles other than spheres; friction against spinning about the normal",
     "flexibility of the enclosure's walls",
 )
 
 LISTED_PAIRS = 8
-"""To a particle: three or four near it, and as many while a list is made beside the old one."""
+"""Listed pairs to a particle: three or four near it, and as many while a list is made beside the old one."""
 
 PROCESS_MEMORY = 0.3e9
-"""Of a worker process before any case, bytes: 236 to 251 MB were measured, rounded up."""
+"""Memory of a worker process before any case [bytes]: 236 to 251 MB were measured, rounded up."""
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def _cases(plan: Plan, numbers):
         lengths = " x ".join(f"{n} {name}" for name, n in zip(cases.dims, cases.shape, strict=True) if n > 1)
         left_out = [
             f"{np.sum(plan.fate == fate)} {name}"
-            for fate, name in ((Fate.EXCLUDED, "excluded"), (Fate.REFUSED, "that cannot be"))
+            for fate, name in ((Fate.EXCLUDED, "excluded"), (Fate.REFUSED, "impossible"))
             if np.any(plan.fate == fate)
         ]
         yield f"  {lengths or '1'}{''.join(f', without {text}' for text in left_out)}"

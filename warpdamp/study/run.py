@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 Report = Callable[[str, float], None]
-"""Told the stage and the part of it that is done, 0 to 1."""
+"""Called with the stage and the part of it that is done, 0 to 1."""
 
 
 def run(

@@ -20,7 +20,7 @@ OWN = {FREQUENCY: "frequency", GAMMA: "gamma", SEED: "seed"}
 """Scalars whose dimensions every gridded Dataset has."""
 
 CASE = "case"
-"""The dimension of scalars that change together."""
+"""Dimension of scalars that change together."""
 
 _LONG_NAMES = {
     "youngs_modulus": "Young's modulus",
@@ -80,7 +80,7 @@ def dotted(path: Path) -> str:
 
 
 def coordinate_names(paths) -> dict[Path, str]:
-    """Names for scalars: the last key, or as much of the path as tells them from each other and from variables."""
+    """Names for scalars: the last key, or as much of the path as makes them unique, among variables too."""
     paths = list(paths)
     taken = {*VARIABLES, *OWN.values(), CASE, "mode"}
 

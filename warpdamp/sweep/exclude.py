@@ -24,7 +24,7 @@ class Exclusions:
     Raises
     ------
     ConfigError
-        If a path is no scalar of the configuration, or a value is none that it can take.
+        If a path is not a scalar of the configuration, or a value is none that it can take.
     """
 
     def __init__(self, config: Config):

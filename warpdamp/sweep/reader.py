@@ -36,7 +36,7 @@ def read_axes(config: Config) -> tuple[Config, list[Axis]]:
     Raises
     ------
     ConfigError
-        If a path is none of the configuration's scalars, is given twice, or takes a value that it cannot take.
+        If a path is not one of the configuration's scalars, is given twice, or takes a value that it cannot take.
     """
     return Reader(config).read()
 
@@ -145,7 +145,7 @@ class Reader:
             last[name] for name in difflib.get_close_matches(str(parts[-1]), list(last), n=1)
         ]
         hint = f"; did you mean '{close[0]}'?" if close else "; write a path such as contact.friction"
-        raise self.config.error(place, f"is no scalar of this configuration{hint}")
+        raise self.config.error(place, f"is not a scalar of this configuration{hint}")
 
     def _read(self, row: dict[Path, object], place) -> dict:
         """Values as the models read them: checked, and in SI."""
