@@ -1,4 +1,4 @@
-"""The time loop.  One case is one thread, and the thread runs many steps."""
+"""Time loop.  One case is one thread, and the thread runs many steps."""
 
 import functools
 
@@ -45,7 +45,7 @@ def stepper(effects, count: int):
         drift: real,
         row: Row,
     ):
-        """All contact forces of a step, tallied, and the structure's answer.
+        """Contact forces of a step, added to the ledger, and the structure's answer.
 
         The step stands for ``h`` seconds and comes ``since`` seconds after the last one; the enclosure's place
         advances over ``drift`` seconds.  Returns minus the enclosure's acceleration [m/s^2] and the row.

@@ -1,4 +1,4 @@
-"""The nouns of the device: what a case is, what a particle carries, what a contact remembers.
+"""Structs of the device: what a case is, what a particle carries, what a contact remembers.
 
 A field that no effect of the scene needs does not exist: structs are made for the effects, as kernels are.
 """
@@ -58,7 +58,7 @@ def structs(effects):
 
     @wp.struct
     class Case:
-        """What stays constant while a case runs."""
+        """Constants of a case."""
 
         first: wp.int32  # its particles are first .. first + count - 1
         count: wp.int32
@@ -101,7 +101,7 @@ def structs(effects):
 
     @wp.struct
     class Particle:
-        """What a particle carries, side by side in memory: a contact touches few cache lines."""
+        """State of a particle, side by side in memory: a contact touches few cache lines."""
 
         position: vec3  # at n
         half_velocity: vec3  # at n - 1/2
@@ -125,7 +125,7 @@ def structs(effects):
 
     @wp.struct
     class History:
-        """What a contact remembers of the last step."""
+        """History of a contact: its values at the last step."""
 
         radius: real  # contact radius a [m]; 0: there was no contact
         if effects.friction:
@@ -151,7 +151,7 @@ def structs(effects):
 
     @wp.struct
     class Mode:
-        """A mode of the structure, mass-normalised."""
+        """Mode of the host structure, mass-normalised."""
 
         stiffness: real  # w^2 [1/s^2]
         damping: real  # zeta w [1/s]
@@ -161,7 +161,7 @@ def structs(effects):
 
     @wp.struct
     class Mount:
-        """What the enclosure is fixed to: the modes of all cases, their forces, and records of what happened."""
+        """Host structures of all cases: their modes, forces and records."""
 
         count: wp.int32  # of modes of all cases together
         if effects.structure:
@@ -171,7 +171,7 @@ def structs(effects):
 
     @wp.struct
     class Touch:
-        """Where i meets its partner, a particle or a wall: all that the contact law asks of the shapes."""
+        """Geometry of a contact of i with a particle or a wall: what the contact law needs of the shapes."""
 
         overlap: real  # [m]; not positive: they are apart
         normal: vec3  # from the partner to i
@@ -184,7 +184,7 @@ def structs(effects):
 
     @wp.struct
     class Motion:
-        """Of i's surface relative to its partner's; what no effect needs stays zero and costs nothing."""
+        """Motion of i's surface relative to its partner's; what no effect needs stays zero and costs nothing."""
 
         velocity: vec3  # predicted for this step [m/s]
         slid: vec3  # how far since the last step [m]

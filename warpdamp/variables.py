@@ -1,4 +1,4 @@
-"""Every variable of the results, with its units and what it means."""
+"""Variables of the results, with their units and meanings."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ VARIABLES = {
     "natural_frequency": ("Hz", "natural frequency with the particles' mass"),
     "mode_amplitude": ("kg-0.5", "mass-normalised mode shape at the damper"),
     "modal_mass": ("kg", "1 / phi^2 at the damper"),
-    # corrected for the mass that the structure feels (modal/apparent.py)
+    # corrected for the mass that the structure feels (modal/apparent_mass.py)
     "apparent_mass_standard_error": ("kg", "standard error of the apparent mass"),
     "quadrature_mass": ("kg", "mass in quadrature m'' = W / (pi w^2 X^2): the complex mass is m' - j m''"),
     "quadrature_mass_standard_error": ("kg", "standard error of the mass in quadrature"),
@@ -93,7 +93,7 @@ VARIABLES = {
     "band_lines": ("1", "lines of the FRF in the band that was fitted"),
     "within_range": ("1", "whether Gamma lies in the range of the damper's results"),
     "inherent_damping": ("1", "damping ratio without the damper"),
-    # coupled runs (coupled_runs.py)
+    # coupled runs (coupled/run.py)
     "structure_displacement": ("m", "displacement of the enclosure along the excitation"),
     "structure_acceleration": ("m s-2", "acceleration of the enclosure along the excitation"),
     "reaction": ("N", "force of the particles on the enclosure along the excitation"),

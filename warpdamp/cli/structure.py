@@ -1,4 +1,4 @@
-"""The commands about structures: modes, FRFs, fits, coupled runs."""
+"""Commands about structures: modes, FRFs, fits, coupled runs."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def modes(
 
     with one_line_errors():
         from ..config.build import particle_mass
-        from ..modal.from_config import modes as own_modes
+        from ..modal.from_config import modes as structure_modes
         from ..report.tables import modes_table
         from ..sweep.cases import Cases
         from ..sweep.load import load
@@ -42,21 +42,21 @@ def modes(
         checked = load(config)
         if checked.structure is None:
             raise checked.error("structure", "missing: there are no modes without a structure")
-        every = [point.config for point in Cases(checked).points() if point.config]
-        masses = {particle_mass(single) for single in every}
+        configs = [point.config for point in Cases(checked).points() if point.config]
+        masses = {particle_mass(single) for single in configs}
         if not checked.structure.particles_included:
             masses.add(0.0)
-        found = {m: own_modes(every[0], particles=m) for m in sorted(masses)}
+        modes_by_mass = {m: structure_modes(configs[0], particles=m) for m in sorted(masses)}
         if output:
-            _write_modes(found[max(masses)], output, checked.title)
+            _write_modes(modes_by_mass[max(masses)], output, checked.title)
     console = Console()
-    for particles, own in found.items():
+    for particles, loaded in modes_by_mass.items():
         console.print(f"with {1e3 * particles:.2f} g of particles", highlight=False)
-        console.print(modes_table(own))
+        console.print(modes_table(loaded))
 
 
 def _write_modes(modes: Modes, path: Path, title: str) -> None:
-    """A picture, a table or a universal file, as the suffix says."""
+    """Write modes as a picture, a table or a universal file, as the suffix says."""
     from ..modal.export import export
     from ..report.figures import PICTURES, save
     from ..report.mode_shapes import shapes
@@ -132,10 +132,10 @@ def frf(
         target = output or file.with_name(f"{file.stem}-frf.png")
         dataset = response.chosen(read(file), at or [])
         if constant_force:
-            found, draw = response.constant_force(dataset, constant_force, band), force_curves
+            result, draw = response.constant_force(dataset, constant_force, band), force_curves
         else:
-            found, draw = response.accelerance(dataset, band=band), families
-        save_as_asked(found, draw, target)
+            result, draw = response.accelerance(dataset, band=band), families
+        save_as_asked(result, draw, target)
     print(target)
 
 

@@ -14,7 +14,7 @@ Hertz = Annotated[Frequency, POSITIVE]
 
 
 class Band(Model):
-    """From one frequency to another."""
+    """Frequency band [Hz]."""
 
     model_config = ConfigDict(populate_by_name=True)
 
@@ -23,20 +23,20 @@ class Band(Model):
 
 
 class HarmonicConfig(Model):
-    """A sin(2 pi f t)."""
+    """Harmonic force A sin(2 pi f t)."""
 
     amplitude: Newtons
     frequency: Hertz
 
 
 class SweptConfig(Band):
-    """A sine whose frequency goes from one to the other at a constant rate, either way, over the whole run."""
+    """Swept sine: its frequency changes at a constant rate, up or down, over the whole run."""
 
     amplitude: Newtons
 
 
 class RandomConfig(Band):
-    """Normal noise with a flat spectrum in a band; the same for the same seed."""
+    """Random force: normal noise with a flat spectrum in a band; equal for equal seeds."""
 
     rms: Newtons
     seed: Annotated[StrictInt, Field(ge=0)] = 1
@@ -49,13 +49,13 @@ class RandomConfig(Band):
 
 
 class RecordedConfig(Model):
-    """A CSV file with the columns time_s and force_N, evenly spaced from time 0."""
+    """Recorded force: a CSV file with the columns time_s and force_N, evenly spaced from time 0."""
 
     file: str
 
 
 class ReleaseConfig(Model):
-    """Let go at rest from where free vibration of one mode would have the acceleration amplitude gamma g."""
+    """Release at rest from where free vibration of one mode would have the acceleration amplitude gamma g."""
 
     gamma: Annotated[Number, POSITIVE]
     mode: Annotated[StrictInt, Field(ge=1)]
@@ -65,7 +65,7 @@ FORCES = ("harmonic", "swept", "random", "recorded")
 
 
 class CoupledConfig(Model):
-    """Runs in which the structure answers: exactly one force, or a release.
+    """Coupled runs, in which the structure answers: exactly one force, or a release.
 
     ``levels`` multiply the force, or the release: a run each.
     """
@@ -80,7 +80,7 @@ class CoupledConfig(Model):
 
     @property
     def source(self) -> str:
-        """The key that says what moves the structure."""
+        """Key that says what moves the structure."""
         return next(name for name in (*FORCES, "release") if getattr(self, name) is not None)
 
     @model_validator(mode="after")

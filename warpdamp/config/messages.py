@@ -1,4 +1,4 @@
-"""What is wrong with a configuration, in words, at its place in the file."""
+"""Messages of configuration errors, each with its place in the file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LISTED = re.compile(rf"\[\s*{_WITH_COMMA}(?:,\s+{_WITH_COMMA})+\s*\]")
 
 
 def keys(data, loc) -> list:
-    """The part of a pydantic location that exists in the YAML tree (unions add names of their own)."""
+    """Part of a pydantic location that exists in the YAML tree (unions add names of their own)."""
     keys, node = [], data
     for part in loc:
         if isinstance(node, dict) and part in node:
@@ -29,7 +29,7 @@ def keys(data, loc) -> list:
 
 
 def place(data, loc) -> str:
-    """line:column of the innermost key of a location."""
+    """Place of the innermost key of a location, as line:column."""
     node, place = data, (0, 0)
     for key in keys(data, loc):
         place = node.lc.item(key) if isinstance(key, int) else node.lc.key(key)
@@ -45,8 +45,8 @@ def decimal_commas(text: str) -> tuple[int, int, str] | None:
     return None
 
 
-def telling(errors, data, root):
-    """The errors worth a line: one a place, the most telling branch of a union, no echo of a misspelt key."""
+def relevant(errors, data, root):
+    """The errors worth a line: one a place, the most relevant branch of a union, no echo of a misspelt key."""
     best: dict = {}
     for error in map(lambda error: _decimal_comma(error, data), errors):
         ours = len(error["loc"]) - (error["type"] == "extra_forbidden")  # an unknown key may look like a union's name
@@ -99,7 +99,7 @@ def _is_union_name(part) -> bool:
 
 
 def explained(error, root) -> str:
-    """A pydantic error in our words."""
+    """Message of a pydantic error in this project's words."""
     key = ".".join(str(part) for part in error["loc"])
     kind, given = error["type"], error.get("input")
     if kind == "extra_forbidden":
@@ -129,7 +129,7 @@ def _known_keys(root: type[BaseModel], loc) -> list[str]:
 
 
 def _models(annotation) -> Iterator[type[BaseModel]]:
-    """The models that an annotation is made of."""
+    """Models that an annotation refers to."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for part in get_args(annotation):
@@ -141,11 +141,11 @@ def _closest(name, known) -> str | None:
 
 
 def suggestion(name, known) -> str:
-    """The end of a sentence about a name that is not known."""
+    """End of a sentence about an unknown name: the closest known one, or all of them."""
     close = _closest(name, known)
     return f"; did you mean '{close}'?" if close else f"; choose from {', '.join(known)}"
 
 
 def printable(line: str) -> str:
-    """The line with whatever would break it, or not show, spelt out."""
+    """Line with unprintable characters and line breaks spelt out."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)

@@ -1,4 +1,4 @@
-"""A YAML file read and validated, and a configuration written back."""
+"""Reading and validation of a YAML file, and YAML of a configuration."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..errors import ConfigError
-from .messages import decimal_commas, explained, place, printable, telling
+from .messages import decimal_commas, explained, place, printable, relevant
 from .study import Config
 
 
@@ -27,7 +27,7 @@ def read(path) -> Config:
     try:
         config = Config.model_validate(_plain(data))
     except ValidationError as error:
-        errors = telling(error.errors(), data, Config)
+        errors = relevant(error.errors(), data, Config)
         lines = [f"{path}:{place(data, e['loc'])}: {explained(e, Config)}" for e in errors]
         raise ConfigError("\n".join(map(printable, lines))) from None
     config._source = (path, data)
@@ -35,7 +35,7 @@ def read(path) -> Config:
 
 
 def resolved_yaml(config: Config) -> str:
-    """The configuration with every default filled in, in SI, as YAML."""
+    """YAML of a configuration with every default filled in, in SI."""
     from ruamel.yaml import YAML
 
     text = io.StringIO()

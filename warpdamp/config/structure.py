@@ -156,7 +156,7 @@ class StructureConfig(Model):
 
     @property
     def source(self) -> str:
-        """The key that says where the modes come from."""
+        """Key that says where the modes come from."""
         return next(name for name in SOURCES if getattr(self, name) is not None)
 
     @property
@@ -170,7 +170,7 @@ class StructureConfig(Model):
         return getattr(self, self.source).material if self.computed else None
 
     def found_from(self, folder: Path) -> StructureConfig:
-        """The same with paths of its files that start at ``folder``, where they are not whole already."""
+        """Section with absolute paths of its files; relative ones start at ``folder``."""
         own = getattr(self, self.source)
         if self.source == "beam" and own.section:
             section = own.section.model_copy(update={"file": str(folder / own.section.file)})
@@ -236,7 +236,7 @@ SHOWN = {1: "290 mm", 2: "[100 mm, 50 mm]", 3: "[100 mm, 50 mm, 2 mm]"}
 
 
 def _check_place(structure: StructureConfig, place: str, mass: PointMassConfig) -> None:
-    """A mass has the coordinates that its structure calls for, and sits where it can move."""
+    """Check that a mass has the coordinates of its structure, and sits where it can move."""
     source = structure.source
     position = mass.position if isinstance(mass.position, list) else [mass.position]
     if len(position) != COORDINATES[source]:

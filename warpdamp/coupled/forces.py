@@ -77,7 +77,7 @@ def recorded(path: Path) -> tuple[np.ndarray, float]:
 
 
 def moments(force: Force, duration: float) -> np.ndarray:
-    """When a force is worth looking at, evenly spaced [s]: at its samples, or often enough to see it swing."""
+    """Times at which to evaluate a force, evenly spaced [s]: its samples, or often enough to resolve its cycle."""
     if force.samples is not None:
         return np.arange(len(force.samples)) * force.sample_step
     rate = SAMPLES * force.frequency
@@ -85,7 +85,7 @@ def moments(force: Force, duration: float) -> np.ndarray:
 
 
 def applied(force: Force, time: np.ndarray) -> np.ndarray:
-    """A force at given moments [N]."""
+    """Force at given times, (n,) [N]."""
     whole = force.amplitude * np.sin(2 * np.pi * force.frequency * time) if force.amplitude else np.zeros(len(time))
     if force.samples is not None:
         whole += np.interp(time, moments(force, time[-1]), force.samples)

@@ -41,7 +41,7 @@ AVERAGES = 8
 """Pieces that the spectra of random forces are averaged over, half of each overlapping the next."""
 
 LEAST_POWER = 1e-6
-"""Of a force, over its largest: lines with less tell nothing of the structure and are left out."""
+"""Smallest usable power of a force over its largest: lines with less are left out."""
 
 STEADY = 0.02
 """A window is steady if its amplitude is the one before's to this part."""
@@ -49,7 +49,7 @@ STEADY = 0.02
 
 @dataclass(frozen=True)
 class Run:
-    """One run: a bed in a scene with its mount.
+    """Coupled run: a bed in a scene with its mount.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class Run:
 
 
 def simulate(config: Config, executor: Executor, report: Callable[[float], None] = lambda done: None) -> xr.Dataset:
-    """All runs that the section ``coupled`` of a configuration asks for: its levels, and a bed for each seed.
+    """Simulate the coupled runs of a configuration: its levels, and a bed for each seed.
 
     Returns
     -------
@@ -246,7 +246,7 @@ def _reference(own: CoupledConfig, modes: Modes) -> float:
 
 
 def _largest_speed(mount: Mount, modes: Modes, particles: float, duration: float) -> float:
-    """Of the enclosure [m/s], if the particles were one rigid mass: the step is chosen for it."""
+    """Speed of the enclosure [m/s], if the particles were one rigid mass: the step is chosen for it."""
     from scipy.signal import lsim
 
     if mount.force is None:
@@ -291,7 +291,7 @@ def _assembled(config: Config, runs, found, every) -> xr.Dataset:
 
 
 def _identified(own: CoupledConfig, runs, found, shape) -> xr.Dataset:
-    """What an experimenter would read off the records."""
+    """Dataset of what an experimenter would identify from the records."""
     import xarray as xr
 
     mount = runs[0, 0].scene.mount

@@ -1,4 +1,4 @@
-"""What a bed and a case depend on, and the recipe by which beds are compacted."""
+"""Inputs of a bed and of a case, and the recipe by which beds are compacted."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ RECIPE = (
 
 @dataclass(frozen=True)
 class Request:
-    """All that a bed depends on.
+    """Inputs that determine a bed.
 
     Parameters
     ----------
@@ -55,6 +55,7 @@ class Request:
         Its drive does not matter.
     grains : Grains
     seed : int
+        Seed of the random placement.
     preparation : "loose" or "compacted"
     clearance, packing_fraction : [m], [-] or None
         One of the two that a bed is to be compacted to, instead of until neither changes.
@@ -62,6 +63,15 @@ class Request:
         A fixed time to settle in, as in the paper, instead of until at rest.
     numerics : Numerics
         A study may take fewer steps a contact than usual, a bed is not made with fewer: compacting takes half of them.
+
+    Examples
+    --------
+    >>> from warpdamp import Cylinder, Grains, Material, Request, Scene, Surface
+    >>> pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    >>> scene = Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04))
+    >>> one, other = (Request(scene, Grains.alike(3.73e-3, 120), seed, "compacted") for seed in (1, 2))
+    >>> one.key() == other.key()
+    False
     """
 
     scene: Scene
@@ -101,14 +111,18 @@ class Request:
 
 @dataclass(frozen=True)
 class Criteria:
-    """When a case is done.
+    """Criteria by which a case ends.
 
     Parameters
     ----------
-    standard_error : asked for, relative to the energy per cycle
-    slack : drift and imbalance that do not matter, relative to the energy per cycle
-    fewest, most : cycles to run
-    fixed : average over the last two thirds of ``most`` cycles instead, whatever the series does
+    standard_error : float
+        Standard error asked for, relative to the energy per cycle [-].
+    fewest, most : int
+        Cycles to run.
+    fixed : bool
+        Average over the last two thirds of ``most`` cycles instead, whatever the series does.
+    slack : float
+        Drift and imbalance that do not matter, relative to the energy per cycle [-].
     """
 
     standard_error: float = 0.02
@@ -120,7 +134,7 @@ class Criteria:
 
 @dataclass(frozen=True)
 class Spec:
-    """One case of a study.
+    """Case of a study, ready to be run.
 
     Parameters
     ----------
@@ -137,22 +151,22 @@ class Spec:
 
     @property
     def dt(self) -> float:
-        """Step [s]."""
+        """Time step [s]."""
         return 1 / (self.scene.drive.frequency * self.steps_per_cycle)
 
     @property
     def effects(self) -> Effects:
-        """What its kernels are compiled for."""
+        """Effects that the case's kernels are compiled for."""
         return self.bed.numerics.effects(self.scene, self.bed.grains)
 
     @property
     def forced_off(self) -> list[str]:
-        """Effects that the scene calls for and the user forced off."""
+        """Effects that the scene requires and the user forced off."""
         called = called_for(self.scene, self.bed.grains)
         return [name for name, on in self.bed.numerics.forced if not on and getattr(called, name)]
 
     def cost(self, criteria: Criteria) -> float:
-        """Particle-steps that it takes at the least."""
+        """Particle-steps of the case, at the least."""
         return self.steps_per_cycle * len(self.bed.grains) * criteria.fewest
 
 
@@ -161,6 +175,6 @@ PAPER_SETTLING, PAPER_SHAKING = 0.2, 0.3
 
 
 def paper_criteria(frequency: float) -> Criteria:
-    """The paper's recipe at a frequency: the whole cycles within 0.3 s, and at least six."""
+    """Criteria of the paper at a frequency [Hz]: the whole cycles within 0.3 s, and at least six."""
     cycles = max(6, math.floor(PAPER_SHAKING * frequency))
     return Criteria(fewest=cycles, most=cycles, fixed=True)

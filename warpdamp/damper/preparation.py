@@ -83,7 +83,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Packing:
-    """A bed at rest.
+    """Prepared bed at rest.
 
     Parameters
     ----------
@@ -103,13 +103,22 @@ class Packing:
 
 
 def prepare(request: Request) -> Packing:
-    """The bed of a request, from disk if it was made before.
+    """Bed of a request, from disk if it was made before.
 
     Raises
     ------
     PackingError
         If the particles do not fit (with the fill asked for and the fill reached), do not come to rest or fall out of
         the cavity, or if a clearance or packing fraction asked for cannot be reached (with those that can).
+
+    Examples
+    --------
+    >>> from warpdamp import Cylinder, Grains, Material, Request, Scene, Surface, prepare
+    >>> pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    >>> scene = Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04))
+    >>> bed = prepare(Request(scene, Grains.alike(3.73e-3, 10), seed=1, preparation="loose"))
+    >>> round(1e3 * bed.clearance, 1)  # one layer: the height less a diameter, 40 - 7.46 [mm]
+    32.5
     """
     ends = _ends(request) if request.asked else ()
     path = cache_folder("beds") / f"{request.key()}.npz"
@@ -140,7 +149,7 @@ def _stored(path: Path) -> Packing | None:
 
 
 def effects(request: Request) -> set[Effects]:
-    """All that kernels are compiled for while a bed is made."""
+    """Sets of effects that kernels are compiled for while a bed is made."""
     scenes = [request.scene, *_upright(request.scene)]
     if request.preparation == "compacted":
         bare = frictionless(request.scene)
@@ -256,7 +265,7 @@ def _approach(scene: Scene, start: Packing, clearance: float, numerics: Numerics
 
 
 class _OutOfBalance(PackingError):
-    """Energy came from nowhere."""
+    """Bed whose ledger gained energy without work."""
 
 
 def _balanced(part: Callable[[Numerics], State], numerics: Numerics) -> State:
@@ -397,7 +406,7 @@ def _run(batch: Batch, steps: int) -> None:
 
 
 def _height(scene: Scene, state: State) -> float:
-    """Of the centre of mass against gravity [m]."""
+    """Height of the centre of mass against gravity [m]."""
     up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
     return float(np.average(state.position @ up, weights=scene.masses(state)))
 

@@ -1,4 +1,4 @@
-"""Shake prepared beds until their dissipation is steady, and say what the averages are worth."""
+"""Shaking of prepared beds until their dissipation is steady, with the uncertainty of the averages."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _log = logging.getLogger(__name__)
 
 
 def shake(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int, ...], dict]]:
-    """Run chains of cases side by side; each case of a chain starts from the state that the one before left.
+    """Run chains of cases side by side; each case of a chain starts from the final state of the one before.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def _shake_stage(stage, states: list[State], criteria: Criteria):
 
 
 def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) -> dict | None:
-    """The averages of a case, or None if it has to go on."""
+    """Averages of a case, or None if it has to go on."""
     if batch.status[k] != KernelStatus.OK:
         return {"status": int(_FAILURES[batch.status[k]]), "cycles": cycles, "steps": int(batch.steps[k])}
     ledger = batch.cycles(k)
@@ -145,7 +145,7 @@ _FAILURES = {KernelStatus.NOT_FINITE: Status.NOT_FINITE, KernelStatus.ESCAPED: S
 
 
 def _status(values: dict, average: Steady, precise: bool) -> Status:
-    """The worst that can be said of a case."""
+    """Status of a case, the worst that applies."""
     if values["largest_overlap"] > DEEPEST:
         return Status.TOO_DEEP
     if values["ledger_residual"] > LARGEST_RESIDUAL:
@@ -175,7 +175,7 @@ def _balanced(window: Ledger, drive: Drive, part: float, smallest: float) -> boo
 
 
 def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
-    """What the averaging window says, per cycle."""
+    """Values of the averaging window, per cycle."""
     drive = spec.scene.drive
     cycles = len(window.rows) - 1
     reaction = window.reaction(drive)
@@ -193,7 +193,7 @@ def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
 
 
 def _indicators(window: Ledger, drive: Drive) -> dict:
-    """What tells the regime of motion; across the axis floor and lid are not what the bed collides with."""
+    """Indicators of the regime of motion; across the axis floor and lid are not what the bed collides with."""
     cycles = len(window.rows) - 1
     axial = abs(drive.direction[2]) > 1 - 1e-9
     return {

@@ -1,4 +1,4 @@
-"""A batch of cases on the device: the only module that launches kernels."""
+"""Batch of cases on the device: the only module that launches kernels."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _NEVER = np.iinfo(np.int32).max
 
 @dataclass(frozen=True)
 class Case:
-    """A scene, where it starts, and its step.
+    """Case of a batch: a scene, its initial state, and the step.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Case:
 
 
 class Batch:
-    """Cases that advance together.  Each gives the same bits as alone with the same effects.
+    """Batch of cases that advance together; each gives the same bits as alone with the same effects.
 
     Parameters
     ----------
@@ -231,12 +231,12 @@ class Batch:
 
     @property
     def steps(self) -> np.ndarray:
-        """Step number that each case has reached."""
+        """Step number that each case has reached, (cases,)."""
         return self._steps.numpy().copy()
 
     @property
     def status(self) -> np.ndarray:
-        """How each case stands, as numbers of ``kernels.columns.KernelStatus``."""
+        """Status of each case, (cases,) numbers of ``kernels.columns.KernelStatus``."""
         return self._status.numpy().copy()
 
     def advance(self, steps) -> None:
@@ -265,7 +265,7 @@ class Batch:
         return Ledger(self._rows.numpy()[first : first + reached + 1].copy(), self.effects)
 
     def records(self, k: int) -> np.ndarray:
-        """Of case ``k``: time [s], place [m] and acceleration [m/s^2] of the enclosure, reaction [N], (n, 4).
+        """Records of case ``k``, (n, 4): time [s], place [m] and acceleration [m/s^2] of the enclosure, reaction [N].
 
         The reaction is the particles' force on the enclosure along the mount's direction.
         """
@@ -276,11 +276,11 @@ class Batch:
         return np.concatenate([time[:, None], kept[:reached]], axis=1)
 
     def checkpoint(self) -> dict[str, np.ndarray]:
-        """All that a run has, as arrays: ``restore`` it into a batch of the same cases and go on to the same bits."""
+        """Checkpoint of a run, as arrays: ``restore`` continues it in a batch of the same cases to the same bits."""
         return {name: array.numpy().copy() for name, array in self._changing().items()}
 
     def restore(self, checkpoint: dict[str, np.ndarray]) -> None:
-        """Go back to a ``checkpoint``."""
+        """Restore the state of a ``checkpoint``."""
         pairs = checkpoint["partner"].shape[0]
         for name, variable in self._types.Contacts.vars.items():
             if name in PER_PAIR:
@@ -304,7 +304,7 @@ class Batch:
         }
 
     def read(self) -> list[tuple[State, Ledger]]:
-        """State and ledger of every case now, velocities brought to the whole step.
+        """Read state and ledger of every case, velocities brought to the whole step.
 
         Works on copies: reading never changes what comes after.
         """
@@ -332,7 +332,7 @@ class Batch:
 
 
 class Simulation(Batch):
-    """One scene from a given start: the researcher's door.
+    """Simulation of one scene from a given state, step by step.
 
     Parameters
     ----------
@@ -352,10 +352,17 @@ class Simulation(Batch):
 
     Examples
     --------
-    >>> ball = State.at_rest([[0, 0, 0.02]], radius=0.00373)
-    >>> simulation = Simulation(scene, ball, dt=1e-6)
-    >>> simulation.advance(10_000)
+    >>> from warpdamp import Cylinder, Material, Scene, Simulation, State, Surface
+    >>> pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    >>> scene = Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04))
+    >>> ball = State.at_rest([[0, 0, 0.02]], radius=3.73e-3)
+    >>> simulation = Simulation(scene, ball, dt=2e-6)
+    >>> simulation.advance(20_000)
     >>> state, ledger = simulation.read()
+    >>> round(1e3 * float(state.position[0, 2]), 2)  # after 40 ms of free fall, 20 mm - g t^2 / 2 [mm]
+    12.15
+    >>> bool(abs(ledger.residual[-1]) < 1e-12)  # [J]
+    True
     """
 
     def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None, device: str = DEVICE):
@@ -384,6 +391,6 @@ class Simulation(Batch):
         guards.check_run(ledger, self.cases[0].dt)
 
     def read(self) -> tuple[State, Ledger]:
-        """State now, and the ledger's rows at the start and now."""
+        """Read the state, and the ledger's rows at the start and now."""
         state, ledger = super().read()[0]
         return state, Ledger(np.concatenate([self._start, ledger.rows]), self.effects)

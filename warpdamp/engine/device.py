@@ -1,4 +1,4 @@
-"""Start Warp without its chatter.  Import before anything that touches a Warp array."""
+"""Start of Warp without its messages.  Import before anything that touches a Warp array."""
 
 from __future__ import annotations
 

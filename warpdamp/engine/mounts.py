@@ -1,4 +1,4 @@
-"""The structures of a batch's cases, to the device and back."""
+"""Transfer of a batch's host structures to the device and back."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .device import DEVICE
 
 
 class Mounts:
-    """Collects the modes, forces and records of the cases of a batch."""
+    """Modes, forces and records of a batch's host structures, collected for the device."""
 
     def __init__(self):
         self.modes: list[dict[str, float]] = []
@@ -51,7 +51,7 @@ class Mounts:
         }
 
     def on_device(self, types, device: str = DEVICE):
-        """Mount of all cases on the device."""
+        """Struct of the host structures of all cases on the device."""
         mount = types.Mount()
         mount.count = len(self.modes)
         if "modes" in types.Mount.vars:

@@ -1,4 +1,4 @@
-"""A straight beam in three-dimensional finite elements, with point masses: its bending modes.
+"""Bending modes of a straight beam with point masses, in three-dimensional finite elements.
 
 The section's mesh is swept along the beam, in lengths graded towards the supports and the masses: clamps hold back
 Poisson's contraction in a boundary layer, and masses bend the beam sharply.
@@ -29,20 +29,20 @@ FINEST, COARSEST = 0.125, 1.5
 
 @dataclass(frozen=True)
 class PointMass:
-    """A mass fixed to a beam: [kg], its position along the beam [m], its inertia when the beam bends there [kg m^2]."""
+    """Mass fixed to a beam: mass [kg], position along the beam [m], rotary inertia about the bending axis [kg m^2]."""
 
     mass: float
     position: float
     rotary_inertia: float = 0.0
 
     def loaded(self, mass: float) -> PointMass:
-        """The same with so much more mass [kg]."""
+        """Point mass with a further ``mass`` [kg]."""
         return replace(self, mass=self.mass + mass)
 
 
 @dataclass(frozen=True)
 class Beam:
-    """A straight beam along x.
+    """Straight beam along x.
 
     Parameters
     ----------

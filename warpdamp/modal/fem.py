@@ -83,7 +83,7 @@ class Attached:
 
 @dataclass(frozen=True)
 class Solid:
-    """A discretised elastic solid.
+    """Discretised elastic solid.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class Solid:
     held: np.ndarray
 
     def hold(self, nodes, axes=AXES) -> Solid:
-        """The same solid with the displacement of ``nodes`` (array of bool) kept at zero along ``axes``."""
+        """Solid with the displacement of ``nodes`` (array of bool) kept at zero along ``axes``."""
         held = self.held.copy()
         for axis in axes:
             held[axis * len(nodes) :][: len(nodes)] |= nodes
@@ -147,14 +147,14 @@ def forms(basis: Basis, derivatives) -> dict:
 
 
 def meshed(basis: Basis, material: Material) -> Solid:
-    """The solid that a three-dimensional basis describes."""
+    """Solid that a three-dimensional basis describes."""
     form = forms(basis, AXES)
     volume = forms(basis, (None,))[None, None]
     return _solid(form, volume, basis.doflocs, material)
 
 
 def extruded(section: Basis, stations, material: Material, *, along: int) -> Solid:
-    """The solid that a plane basis sweeps along an axis, on quadratic elements between ``stations`` [m].
+    """Solid that a plane basis sweeps along an axis, on quadratic elements between ``stations`` [m].
 
     Every block is a Kronecker product of a matrix along the axis and one of the section, so that any plane mesh will
     do.  Node k s + i is node i of the s of the section at the k-th of the planes, those between stations included.
@@ -214,7 +214,7 @@ def _solid(form: dict, volume, place, material: Material) -> Solid:
 
 
 def integrals(basis: Basis, weight: Callable) -> np.ndarray:
-    """(n,) integrals of the basis functions times ``weight(place)``."""
+    """Integrals of the basis functions times ``weight(place)``, (n,)."""
     from skfem import LinearForm
 
     return LinearForm(lambda v, w: v * weight(w.x)).assemble(basis)

@@ -57,7 +57,7 @@ class Damping(StrEnum):
 
 @dataclass(frozen=True)
 class Fit:
-    """A mode found in an FRF.
+    """Mode fitted to an FRF.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Fit:
 
 
 def half_power_band(frequency, accelerance, near: float) -> slice:
-    """The points round the peak next to ``near`` whose accelerance is at least 1 / sqrt 2 of the peak's.
+    """Slice of the points round the peak next to ``near`` whose accelerance is at least 1 / sqrt 2 of the peak's.
 
     Parameters
     ----------

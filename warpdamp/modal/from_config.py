@@ -1,4 +1,4 @@
-"""Where a structure's modes come from: configuration -> Modes."""
+"""Modes of the configured structure: configuration -> Modes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,17 @@ if TYPE_CHECKING:
 
 
 def modes(config: Config, *, particles: float) -> Modes:
-    """The configured modes of the structure carrying ``particles`` [kg].
+    """Modes of the configured structure carrying ``particles``, those that the configuration asks for.
+
+    Parameters
+    ----------
+    config : Config
+    particles : float
+        Mass of the particles at the damper [kg].
+
+    Returns
+    -------
+    Modes
 
     Raises
     ------
@@ -43,7 +53,7 @@ def modes(config: Config, *, particles: float) -> Modes:
 
 @contextmanager
 def _placed(config: Config, key: str):
-    """What a structure's makers refuse is an error of the configuration at ``key``."""
+    """Context in which a ValueError of a structure's constructors becomes a configuration error at ``key``."""
     try:
         yield
     except (ValueError, OSError, ImportError) as error:
@@ -51,7 +61,7 @@ def _placed(config: Config, key: str):
 
 
 def beam(config: Config) -> tuple[Beam, PointMass]:
-    """The configured beam, and the empty damper on it."""
+    """Configured beam, and the empty damper on it."""
     from .beam import Beam
 
     structure = config.structure
@@ -189,5 +199,5 @@ def _direction(direction) -> tuple[float, float, float]:
 
 
 def _file(config: Config, name: str) -> Path:
-    """A file that a configuration names, beside it unless its path is absolute."""
+    """Path of a file that a configuration names, beside it unless it is absolute."""
     return config.folder / name

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Method(StrEnum):
-    """How modes are fitted."""
+    """Method of modal fitting."""
 
     LINE = "line"
     DOBSON = "dobson"
@@ -93,6 +93,14 @@ def fits(frf: xr.Dataset, near=None, *, damping: Damping | str = Damping.STRUCTU
     ------
     ModalError
         If nothing could be fitted.
+
+    Examples
+    --------
+    >>> from warpdamp import accelerance, fits, open_results
+    >>> frf = accelerance(open_results("docs/beam.nc"), gamma=[2.0])
+    >>> fitted = fits(frf).sel(mode=1, gamma=2.0)
+    >>> [f"{method}: {100 * zeta:.1f} %" for method, zeta in fitted["fitted_damping_ratio"].to_series().items()]
+    ['line: 1.8 %', 'dobson: 1.8 %', 'circle: 1.8 %', 'least squares: 1.8 %']
     """
     import xarray as xr
 

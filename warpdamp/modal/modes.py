@@ -57,12 +57,12 @@ class Modes:
 
     @property
     def amplitude(self) -> np.ndarray:
-        """(m,) mass-normalised mode shape phi at the damper, in the direction of the excitation [kg^-0.5]."""
+        """Mass-normalised mode shape phi at the damper, in the direction of the excitation, (m,) [kg^-0.5]."""
         return self.shape[:, self.damper] @ np.asarray(self.direction)
 
     @property
     def modal_mass(self) -> np.ndarray:
-        """1 / phi^2 [kg], the mass that each mode shows at the damper's point."""
+        """Modal mass 1 / phi^2 that each mode shows at the damper's point, (m,) [kg]."""
         return 1 / self.amplitude**2
 
     @property
@@ -93,7 +93,7 @@ class Modes:
         return found
 
     def pick(self, numbers) -> Modes:
-        """The modes of the given numbers, in that order.
+        """Modes of the given numbers, in that order.
 
         Raises
         ------
@@ -144,7 +144,7 @@ class Modes:
         return f"{self.remark}; {said}" if self.remark else said
 
     def at(self, position, direction=None) -> Modes:
-        """The same modes as a damper at the point nearest to ``position`` (3,) [m] sees them.
+        """Modes as a damper at the point nearest to ``position`` (3,) [m] sees them.
 
         ``direction`` is that of its excitation (default: unchanged).  Amplitudes come out positive.
 
@@ -167,7 +167,7 @@ class Modes:
         return self.seen_from(damper, self.direction if direction is None else direction)
 
     def at_label(self, label, direction=None) -> Modes:
-        """The same modes as a damper at the point of that name sees them.
+        """Modes as a damper at the point named ``label`` sees them.
 
         Raises
         ------
@@ -197,7 +197,7 @@ class Modes:
         return replace(self, damper=damper, direction=unit, shape=sign[:, None, None] * self.shape)
 
     def with_mass(self, mass: float) -> Modes:
-        """The modes of the same structure with a point mass [kg] more at the damper.
+        """Modes of the structure with a further point mass [kg] at the damper.
 
         Structural modification in the space of these modes: with q their coordinates and phi their shapes at the
         damper, (W^2 - w^2 (I + m phi phi^T)) q = 0.  Exact when every mode that the damper moves is here; what is

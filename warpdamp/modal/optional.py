@@ -1,4 +1,4 @@
-"""Libraries that only some users need."""
+"""Optional libraries, imported when a function needs them."""
 
 from __future__ import annotations
 

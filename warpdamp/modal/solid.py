@@ -1,4 +1,4 @@
-"""Plates and solids of any shape: their modes with masses that stand on a patch of the surface."""
+"""Modes of plates and solids of any shape, with masses that stand on a patch of the surface."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PATCH_ORDER = 12
 
 @dataclass(frozen=True)
 class StandingMass:
-    """A mass on a round patch of a surface, whose mean displacement it follows.
+    """Mass on a round patch of a surface, whose mean displacement it follows.
 
     Parameters
     ----------
@@ -42,13 +42,13 @@ class StandingMass:
     footprint: float
 
     def loaded(self, mass: float) -> StandingMass:
-        """The same with so much more mass [kg]."""
+        """Standing mass with a further ``mass`` [kg]."""
         return replace(self, mass=self.mass + mass)
 
 
 @dataclass(frozen=True)
 class Plate:
-    """A rectangular plate from (0, 0) to (length, width), bending along z.
+    """Rectangular plate from (0, 0) to (length, width), bending along z.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class Plate:
 
 
 def plate_modes(plate: Plate, damper: StandingMass, masses=(), *, highest: int = 5, elements: int = 6) -> Modes:
-    """The lowest modes of a plate with a damper and further masses on it, as the damper sees them along z.
+    """Lowest modes of a plate with a damper and further masses on it, as the damper sees them along z.
 
     Quadratic hexahedra, one through the thickness and about ``elements`` along a side, graded towards the edges and
     the masses.
@@ -145,7 +145,7 @@ def _on_edges(solid: Solid, plate: Plate) -> Solid:
 
 @dataclass(frozen=True)
 class MeshedSolid:
-    """A solid of any shape, as a mesh of tetrahedra or hexahedra in a file that meshio reads.
+    """Solid of any shape, as a mesh of tetrahedra or hexahedra in a file that meshio reads.
 
     Wedges and pyramids are cut into tetrahedra, and so is what stands beside them.
 
@@ -166,7 +166,7 @@ class MeshedSolid:
 
 
 def solid_modes(solid: MeshedSolid, damper: StandingMass, masses=(), *, highest: int = 5) -> Modes:
-    """The lowest modes of a solid with a damper and further masses on its surface, as the damper sees them.
+    """Lowest modes of a solid with a damper and further masses on its surface, as the damper sees them.
 
     Quadratic elements on the mesh's own cells, whatever their order in the file.  Modes of the same frequency are
     turned so that one of them has all the motion at the damper; rigid motions are not counted.

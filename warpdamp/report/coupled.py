@@ -1,4 +1,4 @@
-"""Pictures of coupled runs; knows nothing but Datasets."""
+"""Figures of coupled runs, from their Dataset alone."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def answers(runs: xr.Dataset) -> Figure:
-    """Acceleration over time for each level (first seed), and beside it what was read off the records.
+    """Figure of acceleration over time for each level (first seed), and of what is identified from the records.
 
     That is damping and frequency over Gamma with one mode and a harmonic force (steady windows) or a release, the
     accelerance with any other force.
@@ -38,9 +38,9 @@ def answers(runs: xr.Dataset) -> Figure:
             (axes[2], "window_frequency", "natural frequency [Hz]"),
         ):
             for k in range(runs.sizes["level"]):
-                own = runs.isel(level=k)
-                shown = own["window_steady"] == 1 if "applied_force" in runs else own[name].notnull()
-                gamma, value = (own[n].where(shown).values.ravel() for n in ("window_gamma", name))
+                level_runs = runs.isel(level=k)
+                shown = level_runs["window_steady"] == 1 if "applied_force" in runs else level_runs[name].notnull()
+                gamma, value = (level_runs[n].where(shown).values.ravel() for n in ("window_gamma", name))
                 ax.plot(gamma, value, ".", ms=3, color=colours[k])
             ax.set(xlabel="Γ [-]", ylabel=label)
             _within_reason(ax, runs[name].values)

@@ -1,4 +1,4 @@
-"""What a person reads in the terminal after a run."""
+"""Tables and sentences for the terminal after a run."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ MOST_ROWS = 40
 
 
 def summary(dataset: xr.Dataset) -> Table:
-    """Per mode or frequency, and swept value: f, phi and the peaks of the curve; without curves, the best cases."""
+    """Table of the peaks of each curve, by mode or frequency and swept value; without curves, the best cases."""
     if "gamma" not in dataset.dims or "effectiveness" not in dataset:
         return _best(dataset)
     modal = "damping_ratio" in dataset
@@ -60,18 +60,18 @@ def summary(dataset: xr.Dataset) -> Table:
     head = ("mode", "f [Hz]", "phi [kg^-½]") if modal else ("f [Hz]",) * (lines in outer)
     table = _table(*head, *swept, "peaks of the damping ratio" if modal else "peaks of the effectiveness")
     for at in panels(value, outer, MOST_ROWS):
-        found = peaks(dataset["gamma"], value.isel(at), error.isel(at))
+        tops = peaks(dataset["gamma"], value.isel(at), error.isel(at))
         case = status.isel({"frequency" if name == "mode" else name: k for name, k in at.items()})
-        text = ", ".join(_peak(p, dataset["gamma"].values, case.sel(gamma=p.gamma)) for p in found)
-        own = {name: shown(value[name].values[k]) for name, k in at.items() if name != lines}
-        table.add_row(*_line_head(dataset, at), *own.values(), text or "-")
+        text = ", ".join(_peak(p, dataset["gamma"].values, case.sel(gamma=p.gamma)) for p in tops)
+        labels = {name: shown(value[name].values[k]) for name, k in at.items() if name != lines}
+        table.add_row(*_line_head(dataset, at), *labels.values(), text or "-")
     if math.prod(value.sizes[dim] for dim in outer) > MOST_ROWS:
         table.caption = f"{MOST_ROWS} of {math.prod(value.sizes[dim] for dim in outer)} lines"
     return table
 
 
 def _best(dataset: xr.Dataset) -> Table:
-    """The ten cases of the highest effectiveness."""
+    """Table of the ten cases of highest effectiveness."""
     names = [str(name) for name in dataset.coords if name != "preparation" or dataset[name].ndim]
     table = _table(*names, "effectiveness")
     if "effectiveness" in dataset:
@@ -79,15 +79,15 @@ def _best(dataset: xr.Dataset) -> Table:
         flat = value.stack(point=value.dims, create_index=False)
         for k in np.argsort(-flat.values)[:10]:
             if np.isfinite(flat.values[k]):
-                own = {name: dataset[name] for name in names}
+                coords = {name: dataset[name] for name in names}
                 at = {d: int(i) for d, i in zip(value.dims, np.unravel_index(k, value.shape), strict=True)}
-                cells = (shown(c.isel({d: i for d, i in at.items() if d in c.dims}).values) for c in own.values())
+                cells = (shown(c.isel({d: i for d, i in at.items() if d in c.dims}).values) for c in coords.values())
                 table.add_row(*cells, f"{flat.values[k]:.4g}")
     return table
 
 
 def _peak(peak, gammas, status) -> str:
-    """A peak in words; what may hide a higher one is said."""
+    """Text of a peak; what may hide a higher one is noted."""
     notes = []
     if peak.gamma in (gammas[0], gammas[-1]):
         notes.append("the edge of what was run")
@@ -100,10 +100,10 @@ def _peak(peak, gammas, status) -> str:
 
 def _line_head(dataset, at):
     if "mode" in at:
-        own = dataset[["natural_frequency", "mode_amplitude"]]
-        own = own.isel({name: k for name, k in at.items() if name in own.dims})
+        properties = dataset[["natural_frequency", "mode_amplitude"]]
+        properties = properties.isel({name: k for name, k in at.items() if name in properties.dims})
         mode = int(dataset["mode"][at["mode"]])
-        return f"{mode}", f"{float(own['natural_frequency']):.2f}", f"{float(own['mode_amplitude']):.4f}"
+        return f"{mode}", f"{float(properties['natural_frequency']):.2f}", f"{float(properties['mode_amplitude']):.4f}"
     return (f"{float(dataset['frequency'][at['frequency']]):.2f}",) if "frequency" in at else ()
 
 
@@ -150,11 +150,11 @@ def accuracy_table(runs: xr.Dataset) -> Table:
     table = _table("point", *(f"{100 * t:g} %" for t in tolerances))
     errors = systematic(runs)
     for p in range(runs.sizes["point"]):
-        own = chance(runs["effectiveness"].isel(point=p).sel(variation="steps_per_contact=24").values)
+        scatter = chance(runs["effectiveness"].isel(point=p).sel(variation="steps_per_contact=24").values)
         steps = step_errors(errors.isel(point=p))
         cells = []
         for tolerance in tolerances:
-            best = cheapest(steps, own, tolerance)
+            best = cheapest(steps, scatter, tolerance)
             cells.append(
                 "not reached"
                 if best is None
@@ -165,14 +165,14 @@ def accuracy_table(runs: xr.Dataset) -> Table:
 
 
 def _value(value, error) -> str:
-    """A number, with its standard error where there is one."""
+    """Text of a number, with its standard error if it has one."""
     if np.isnan(value):
         return "-"
     return f"{float(value):.5g}" + (f" ± {float(error):.1g}" if np.isfinite(error) else "")
 
 
 def verdicts(dataset: xr.Dataset) -> list[str]:
-    """How the cases ended, worst first, in sentences; and how well the ledger closed."""
+    """Sentences on how the cases ended, worst first, and how well the ledger closed."""
     status = dataset["status"].values
     ran = np.sum(status != NOT_RUN)
     ends = [s for s in reversed(Status) if s != NOT_RUN and np.any(status == s)]
@@ -186,9 +186,9 @@ def verdicts(dataset: xr.Dataset) -> list[str]:
     elif ran < status.size:
         lines.append(f"{status.size - ran} of {status.size} cases: {Status.NOT_RUN.meaning}")
     if "message" in dataset:
-        said = sorted({text for text in dataset["message"].values.ravel() if text})
-        lines += [f"  {text}" for text in said[:5]] + (
-            [f"  and {len(said) - 5} other messages"] if len(said) > 5 else []
+        messages = sorted({text for text in dataset["message"].values.ravel() if text})
+        lines += [f"  {text}" for text in messages[:5]] + (
+            [f"  and {len(messages) - 5} other messages"] if len(messages) > 5 else []
         )
     if "ledger_residual" not in dataset:
         return lines
