@@ -17,11 +17,11 @@ WALLS = wp.constant(3)
 PER_PARTICLE = {"start": 1, "touching_walls": WALLS, "wall": WALLS}
 """Arrays of ``Contacts`` with so many elements for each particle."""
 
-PER_PAIR = ("owner", "partner", "touching", "pair")
+PER_PAIR = ("owner", "partner", "nearby", "touching", "pair")
 """Those with one for each pair of the neighbour list."""
 
-SCRATCH = ("touching", "touching_walls")
-"""Those that mean nothing after a step."""
+SCRATCH = ("nearby", "touching", "touching_walls")
+"""Those that mean nothing outside a launch."""
 
 
 @functools.cache
@@ -140,6 +140,7 @@ def structs(effects):
         start: wp.array(dtype=wp.int32)  # pairs of i: start[i] .. start[i + 1] - 1
         owner: wp.array(dtype=wp.int32)  # i of every pair
         partner: wp.array(dtype=wp.int32)  # and j
+        nearby: wp.array(dtype=wp.int32)  # places of the pairs that may touch within the next steps
         touching: wp.array(dtype=wp.int32)  # places of the pairs that touch, noted anew every step
         touching_walls: wp.array(dtype=wp.int32)  # and of the walls
         if effects.history:

@@ -104,7 +104,7 @@ class Transfer:
         start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(self)))])
         c = self.types.Contacts()
         c.start, c.owner, c.partner = (self.array(a, wp.int32) for a in (start, pairs[:, 0], pairs[:, 1]))
-        c.touching = wp.empty(len(pairs), dtype=wp.int32, device=self.device)
+        c.nearby, c.touching = (wp.empty(len(pairs), dtype=wp.int32, device=self.device) for _ in range(2))
         c.touching_walls = wp.empty(WALLS * len(self), dtype=wp.int32, device=self.device)
         known = self.types.Contacts.vars
         for name in known.keys() & laws.keys():

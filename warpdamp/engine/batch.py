@@ -11,7 +11,7 @@ import warp as wp
 from ..kernels.advance import stepper
 from ..kernels.columns import KernelStatus
 from ..kernels.lanes import lanes_for
-from ..kernels.neighbours import neighbour_search
+from ..kernels.neighbours import NO_GRID, neighbour_search
 from ..kernels.structs import PER_PAIR, SCRATCH, types
 from ..numerics.timestep import check_step
 from ..scene.contact import contact_constants
@@ -26,6 +26,9 @@ from .mounts import Mounts
 
 SKIN = 0.2
 """Usual extra reach of the neighbour lists, as a part of the smallest radius."""
+
+MOST_SEARCHED = 300
+"""In cases of so many particles all pairs are looked at for the neighbour lists: building the grid takes longer."""
 
 _NEVER = np.iinfo(np.int32).max
 
@@ -127,13 +130,14 @@ class Batch:
         self._tallies = wp.zeros(m, dtype=t.Row, device=device)
         self._rows = wp.full(m * max_rows, t.Row(math.nan), dtype=t.Row, device=device)
         self._status = wp.zeros(m, dtype=wp.int32, device=device)
-        self._waiting = wp.zeros(m, dtype=wp.int32, device=device)
         self._counts = wp.zeros(n + 1, dtype=wp.int32, device=device)
 
         self._largest_radius = max(float(np.max(c.state.bounding_radius)) for c in self.cases)
         self._cell = 2 * self._largest_radius * (1 + skin)
-        side = int(np.clip(2 * np.ceil(np.cbrt(max(counts))), 8, 128))
-        self._grid = wp.HashGrid(side, side, side, device=device, dtype=self.effects.real)
+        self._grid = None
+        if max(counts) > MOST_SEARCHED:
+            side = int(np.clip(2 * np.ceil(np.cbrt(max(counts))), 8, 128))
+            self._grid = wp.HashGrid(side, side, side, device=device, dtype=self.effects.real)
         self._check_overlaps()
 
     def _device_case(self, k: int, laws: dict[str, list], mounts: Mounts):
@@ -191,13 +195,16 @@ class Batch:
             setattr(law, name, constants[name])
         return law
 
-    def _find_neighbours(self, waiting) -> None:
-        """List the neighbours of every case that is ``waiting`` for it anew."""
-        t, p, old = self._types, self._particles, self._contacts
+    def _find_neighbours(self) -> None:
+        """List anew the neighbours of every case that has not reached its target."""
+        t, old = self._types, self._contacts
         n = len(self._transfer)
-        self._waiting.assign(np.broadcast_to(np.asarray(waiting, np.int32), len(self.cases)))
-        self._grid.build(self._positions(), self._cell, groups=self._group)
-        search = [self._grid.id, self._constants, self._group, self._waiting, self._largest_radius, p, old]
+        grid = NO_GRID
+        if self._grid:
+            self._grid.build(self._positions(), self._cell, groups=self._group)
+            grid = self._grid.id
+        search = [grid, self._constants, self._group, self._steps, self._target, self._largest_radius, self._particles]
+        search.append(old)
         wp.launch(self._count_pairs, n, [*search, self._counts], device=self._device)
         fresh = t.Contacts()
         fresh.start = wp.empty(n + 1, dtype=wp.int32, device=self._device)
@@ -224,8 +231,13 @@ class Batch:
         )
         return view.contiguous()
 
+    def _find_all_neighbours(self) -> None:
+        """List the neighbours of every case anew."""
+        self._target.fill_(np.iinfo(np.int64).max)
+        self._find_neighbours()
+
     def _check_overlaps(self):
-        self._find_neighbours(True)
+        self._find_all_neighbours()
         for k, case in enumerate(self.cases):
             guards.check_overlaps(case.scene, case.state, self._transfer.listed(k, self._contacts))
 
@@ -245,14 +257,14 @@ class Batch:
         A case whose state is no longer finite, or that has lost a particle, stops where it is; see ``status``.
         """
         target = np.broadcast_to(np.asarray(steps, np.int64), len(self.cases))
-        while np.any(waiting := (self.steps < target) & (self.status == KernelStatus.OK)):
-            self._target.assign(np.where(waiting, target, 0))
-            self._find_neighbours(waiting)
+        self._target.assign(np.where(self.status == KernelStatus.OK, target, 0))
+        while np.any(self.steps < self._target.numpy()):
+            self._find_neighbours()
             wp.launch(
                 self._advance,
                 len(self.cases),
-                [self._constants, self._target, self._particles, self._contacts, self._mount]
-                + [self._steps, self._shifts, self._cycle_start, self._tallies, self._rows, self._status],
+                [self._constants, self._particles, self._contacts, self._mount]
+                + [self._target, self._steps, self._shifts, self._cycle_start, self._tallies, self._rows, self._status],
                 device=self._device,
             )
 
@@ -308,7 +320,7 @@ class Batch:
 
         Works on copies: reading never changes what comes after.
         """
-        self._find_neighbours(True)
+        self._find_all_neighbours()
         p, c, t = self._particles, self._contacts, self._types
         copy_p, copy_c = wp.clone(p), t.Contacts()
         for name in t.Contacts.vars:
