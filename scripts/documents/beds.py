@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import sys
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from shared import DOCS
 
 from warpdamp import Batch, Case, Cylinder, Scene, State
 from warpdamp.analysis.results import write
@@ -24,9 +24,9 @@ from warpdamp.damper.case import MOST_BLOCKS
 from warpdamp.damper.placement import fill, separate
 from warpdamp.damper.preparation import compact, measured_clearance, settle
 from warpdamp.numerics.timestep import Numerics, steps_per_cycle
-from warpdamp.study.cost import COUNT, FREQUENCY, RADIUS, paper_scene
+from warpdamp.scene.paper import COUNT, FREQUENCY, RADIUS, damper
 
-RUNS = Path(__file__).parents[2] / "docs" / "beds.nc"
+RUNS = DOCS / "beds.nc"
 STAGES = (0, 100, 200, 300)
 """Cycles of shaking with friction after which the clearance is measured."""
 
@@ -48,7 +48,7 @@ class Bed:
     @property
     def scene(self) -> Scene:
         """The paper's materials, in this cavity."""
-        return replace(paper_scene(), enclosure=Cylinder(self.diameter, self.height, lid=self.lid))
+        return damper(cavity=Cylinder(self.diameter, self.height, lid=self.lid))
 
     @property
     def label(self) -> str:
