@@ -46,7 +46,8 @@ VARIABLES = {
     "clearance_after": ("m", "clearance after the case, measured in the same way"),
     "packing_fraction": ("1", "volume of the particles over that of the cavity less the clearance"),
     "packing_fraction_after": ("1", "packing fraction after the case"),
-    "compaction_blocks": ("1", "blocks of shaking that compacted the bed (20: stopped there, maybe still compacting)"),
+    "compaction_blocks": ("1", "blocks of shaking that compacted the bed"),
+    "compaction_settled": ("1", "whether the rule that ends the bed's preparation was met (1) or its most blocks (0)"),
     "largest_overlap": ("1", "largest overlap over the reduced radius since the start"),
     "excitation_frequency": ("Hz", "frequency of the excitation"),
     "displacement": ("m", "displacement amplitude X of the enclosure"),
@@ -113,7 +114,10 @@ NOT_RUN = -1
 """Stands in integer variables for a case that was not run."""
 
 
-INTEGERS = ("packings", "within_tolerance", "compaction_blocks", "cycles", "cycles_discarded", "steps", "status")
+INTEGERS = (
+    *("packings", "within_tolerance", "compaction_blocks", "compaction_settled"),
+    *("cycles", "cycles_discarded", "steps", "status"),
+)
 
 
 def describe(dataset: xr.Dataset) -> xr.Dataset:

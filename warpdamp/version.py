@@ -13,5 +13,5 @@ are compacted without friction, until their clearance no longer rises.
 """
 
 
-RESULTS_VERSION = 2
+RESULTS_VERSION = 3
 """Raised whenever a finished case holds something new, so that stored results of before are run again, too."""

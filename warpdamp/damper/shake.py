@@ -52,7 +52,8 @@ def shake(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int,
         after = [_clearance_after(spec, state) for spec, state in zip(stage, states, strict=True)]
         for k, (spec, value) in enumerate(zip(stage, values, strict=True)):
             value |= _compaction(spec, before[k], after[k] if "energy_dissipated" in value else math.nan)
-            results.append((spec.index, value | {"compaction_blocks": beds[k].blocks}))
+            bed = {"compaction_blocks": beds[k].blocks, "compaction_settled": int(beds[k].settled)}
+            results.append((spec.index, value | bed))
         before = after
     return results
 

@@ -11,7 +11,6 @@ import numpy as np
 from ..analysis.accuracy import chance, cheapest, step_errors, systematic
 from ..analysis.optimum import peaks
 from ..analysis.results import over_packings, worst_status
-from ..damper.case import MOST_BLOCKS
 from ..status import Status
 from ..variables import NOT_RUN
 from .figures import panels, shown
@@ -192,10 +191,13 @@ def verdicts(dataset: xr.Dataset) -> list[str]:
         )
     if "ledger_residual" not in dataset:
         return lines
-    stopped = dataset["compaction_blocks"] >= MOST_BLOCKS
+    stopped = dataset["compaction_settled"] == 0
     if stopped.any():
         of_drive = [dim for dim in ("frequency", "gamma") if dim in stopped.dims]
-        lines.append(f"{int(stopped.any(of_drive).sum())} beds were still compacting when their preparation ended")
+        lines.append(
+            f"{int(stopped.any(of_drive).sum())} beds were still compacting, or not in the state asked for, when "
+            "their preparation ended"
+        )
     residual = dataset["ledger_residual"].values
     if np.isfinite(residual).any():
         lines.append(f"energy ledger: residual at most {100 * np.nanmax(residual):.2g} % of the dissipation")
