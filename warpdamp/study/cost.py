@@ -20,7 +20,7 @@ from ..scene.paper import COUNT, FREQUENCY, RADIUS, STEPS_PER_CYCLE, damper
 from ..scene.particles import Grains, State
 from ..scene.scene import Scene
 from ..sweep.cases import Cases
-from ..sweep.plan import plan
+from ..sweep.plan import make_plan
 from ..version import PHYSICS_VERSION
 
 STILL = 1e-18
@@ -122,6 +122,6 @@ def _stored() -> dict[str, float]:
 
 def measure_study(config) -> None:
     """Measure what the cases of a study cost, and what each of their effects does."""
-    own = {effects for effects, _ in plan(Cases(config)).groups}
+    own = {effects for effects, _ in make_plan(Cases(config)).groups}
     remember(moving, moving(list(own)))
     remember(frozen, frozen(list(own | {without(effects, name) for effects in own for name in TOGGLES})))

@@ -17,8 +17,8 @@ from ..numerics.timestep import expected_speed, shortest_contact
 from ..scene.effects import EFFECTS, Effects, called_for
 from ..scene.scene import STANDARD_GRAVITY
 from ..sweep.cases import Cases
-from ..sweep.plan import Fate, plan
-from ..sweep.resolve import applied, settled
+from ..sweep.plan import Fate, make_plan
+from ..sweep.resolve import self_contained, with_tolerance
 
 if TYPE_CHECKING:
     from ..damper.case import Spec
@@ -109,8 +109,8 @@ def _line(config: Config, key: str, value: str) -> str:
 
 def explain(config: Config, *, workers: int | None = None) -> str:
     """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled."""
-    config = applied(settled(config))
-    made = plan(Cases(config))
+    config = with_tolerance(self_contained(config))
+    made = make_plan(Cases(config))
     numbers = made.to_run()
     sets: dict[Effects, list[int]] = {}
     for group, (effects, _) in enumerate(plan.groups):
