@@ -33,7 +33,7 @@ NOT_MODELLED = (
 )
 
 LISTED_PAIRS = 8
-"""Listed pairs to a particle: three or four near it, and as many while a list is made beside the old one."""
+"""Listed pairs to a particle: three or four near it, and as many while a list is plan beside the old one."""
 
 PROCESS_MEMORY = 0.3e9
 """Memory of a worker process before any case [bytes]: 236 to 251 MB were measured, rounded up."""
@@ -110,8 +110,8 @@ def _line(config: Config, key: str, value: str) -> str:
 def explain(config: Config, *, workers: int | None = None) -> str:
     """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled."""
     config = with_tolerance(self_contained(config))
-    made = make_plan(Cases(config))
-    numbers = made.to_run()
+    plan = make_plan(Cases(config))
+    numbers = plan.to_run()
     sets: dict[Effects, list[int]] = {}
     for group, (effects, _) in enumerate(plan.groups):
         sets.setdefault(effects, []).extend(numbers[plan.group[numbers] == group])
@@ -139,8 +139,8 @@ def _precision(effects: Effects) -> str:
     return f"  motion in {effects.precision}, energies in float64"
 
 
-def _steps(made: Plan, numbers):
-    dt = made.dt[numbers]
+def _steps(plan: Plan, numbers):
+    dt = plan.dt[numbers]
     for number in dict.fromkeys((int(numbers[dt.argmin()]), int(numbers[dt.argmax()]))):
         spec, _ = plan.cases.spec(number)
         drive = spec.scene.drive
@@ -153,8 +153,8 @@ def _steps(made: Plan, numbers):
         )
 
 
-def _cases(made: Plan, numbers):
-    cases = made.cases
+def _cases(plan: Plan, numbers):
+    cases = plan.cases
     amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
     preparation = f"{cases.config.preparation} " if "preparation" not in cases.names().values() else ""
     yield f"  {len(numbers)} cases{amplitudes}; {len(plan.beds)} {preparation}beds"
@@ -176,7 +176,7 @@ def _cases(made: Plan, numbers):
         yield f"  {modes.remark}"
 
 
-def _price(made: Plan, numbers, workers):
+def _price(plan: Plan, numbers, workers):
     from .cost import moving, recall
 
     cost, group = plan.cost[numbers], plan.group[numbers]
