@@ -14,10 +14,12 @@ import numpy as np
 from scipy.sparse import diags, eye, kron, vstack
 
 from ..scene.scene import Material
-from .extrusion import Carried, converged, swept
-from .fem import Attached, Elastic, Solid, elastic_modes, extruded, graded, integrals, turned
+from .eigenmodes import Attached, Elastic, elastic_modes, turned
+from .extrusion import Carried, swept
+from .fem import Solid, extruded, graded, integrals
 from .mesh_error import swept_error
 from .modes import Modes
+from .reduced import converged
 from .section import Section, moments
 
 Support = Literal["clamped", "pinned", "free"]
@@ -130,9 +132,11 @@ def _of_a_mesh(beam: Beam, section, masses, highest: int):
         return _bending_modes(reduced, rows(reduced), carried, of_line, axis, highest, 3)
 
     found = converged(extrusion, carried, modes)
-    displacement = found.reduced.displacement(found.vectors)
-    error = swept_error(section, stations, beam.material, found.squares, displacement) + found.rest / 2
-    return station, rows(found.reduced), found.squares, found.vectors, error
+    reduced = found.reduced
+    coefficients = reduced.coefficients(found.vectors)
+    breaks = [mass.position for mass in masses]
+    error = swept_error(section, stations, breaks, beam.material, found.squares, reduced.functions, coefficients)
+    return station, rows(reduced), found.squares, found.vectors, error + found.rest / 2
 
 
 def _bending_modes(solid: Elastic, rows, carried, of_line, axis: int, highest: int, families: int):

@@ -15,7 +15,8 @@ from scipy.sparse.csgraph import connected_components
 from ..errors import ModalError
 from ..scene.scene import Material
 from .clamp import Clamp
-from .fem import Attached, Solid, elastic_modes, extruded, graded, integrals, meshed, turned, without_loose_nodes
+from .eigenmodes import Attached, elastic_modes, turned
+from .fem import Solid, extruded, graded, integrals, meshed, without_loose_nodes
 from .mesh_error import solid_error
 from .mesh_file import load_named
 from .modes import Modes
