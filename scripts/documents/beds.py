@@ -66,8 +66,8 @@ MIXTURE = tuple(np.linspace(2.5e-3, 5e-3, 120))
 BEDS = [
     Bed("paper", 0.04, 0.04, (RADIUS,) * COUNT, packings=16, shaken_on=4),
     Bed("narrow", 0.036, 0.05, alike(0.036, 0.05, 5e-3, 0.42)),
-    Bed("wide", 0.048, 0.02, alike(0.048, 0.02, 3e-3, 0.55)),
-    Bed("sizes", 0.045, 0.05, MIXTURE),
+    Bed("wide", 0.048, 0.02, alike(0.048, 0.02, 3e-3, 0.5)),
+    Bed("sizes", 0.042, 0.04, MIXTURE),
     Bed("open", 0.04, 0.04, alike(0.04, 0.04, RADIUS, 0.5), lid=False),
 ]
 
@@ -90,8 +90,8 @@ def compacted(bed: Bed, seed: int) -> xr.Dataset:
             "series": ("block", _padded(clearances, MOST_BLOCKS)),
             "clearance": ("stage", _padded(reached, len(STAGES))),
             "loose": measured_clearance(scene, loose),
-            "blocks": len(clearances),
-            "settled": int(settled),
+            "blocks": float(len(clearances)),
+            "settled": float(settled),
             "cpu_time": spent,
         },
         {"stage": list(STAGES)},
@@ -131,7 +131,7 @@ def stored() -> dict[str, xr.Dataset]:
         return {}
     with xr.open_dataset(RUNS) as runs:
         runs.load()
-    return {str(label): runs.sel(bed=label, drop=True).dropna("seed", subset=["blocks"]) for label in runs.bed.values}
+    return {str(label): runs.sel(bed=label, drop=True).dropna("seed", subset=["cpu_time"]) for label in runs.bed.values}
 
 
 def row(label: str, packing: xr.Dataset) -> str:
