@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from ..errors import ModalError
 from ..scene.scene import Material
 from .clamp import Clamp
-from .fem import Attached, Solid, elastic_modes, extruded, graded, integrals, meshed, turned, without_loose_nodes
+from .fem import Attached, Solid, elastic_modes, extruded, graded, integrals, meshed, turned
 from .mesh_error import solid_error
 from .mesh_file import load_named
 from .modes import Modes
@@ -209,7 +209,7 @@ def _quadratic(solid: MeshedSolid):
     from skfem import Basis, ElementHex2, ElementTetP2, MeshHex1, MeshTet1
 
     named = load_named(solid.file, solid.unit)
-    mesh = without_loose_nodes(named.mesh)
+    mesh = named.mesh
     if isinstance(mesh, MeshTet1):
         element = ElementTetP2()
     elif isinstance(mesh, MeshHex1):
