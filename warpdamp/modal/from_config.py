@@ -13,7 +13,7 @@ from ..config.build import material
 from ..config.structure import BeamConfig, BoxConfig, ModeFileConfig, PointMassConfig
 from ..config.study import Config
 from ..errors import ModalError
-from . import mode_csv, mode_uff, nastran, rst
+from . import mode_csv, mode_nastran, mode_rst, mode_uff
 from .clamp import Clamp
 from .modes import Modes
 from .section import Circle, MeshedSection, Rectangle, Section, Tube
@@ -143,12 +143,12 @@ def _read_modes(file: Path, own: ModeFileConfig) -> Modes:
     suffix = file.suffix.lower()
     if suffix in mode_uff.SUFFIXES:
         return mode_uff.read_uff(file, modal_mass=own.modal_mass, units=own.units)
-    if suffix in nastran.SUFFIXES:
-        return nastran.read_nastran(file, modal_mass=own.modal_mass, units=own.units)
-    if suffix in rst.SUFFIXES:
-        return rst.read_rst(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix in mode_nastran.SUFFIXES:
+        return mode_nastran.read_nastran(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix in mode_rst.SUFFIXES:
+        return mode_rst.read_rst(file, modal_mass=own.modal_mass, units=own.units)
     if suffix != ".csv":
-        every = (".csv", *mode_uff.SUFFIXES, *nastran.SUFFIXES, *rst.SUFFIXES)
+        every = (".csv", *mode_uff.SUFFIXES, *mode_nastran.SUFFIXES, *mode_rst.SUFFIXES)
         raise ModalError(f"{file}: modes are read from {', '.join(every[:-1])} or {every[-1]}")
     if own.units is not None:
         raise ModalError(f"{file}: units are those of the table's columns, as x_m: leave units out")

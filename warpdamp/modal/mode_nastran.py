@@ -18,9 +18,9 @@ import numpy as np
 from ..errors import ModalError
 from ..text_file import read_text
 from . import orthonormal
-from .bulk import Bulk, Card, cards, geometry, real
-from .geometry_uff import UNITS, Nodes
 from .modes import Modes, mass_normalised
+from .nastran_bulk import Bulk, Card, cards, geometry, real
+from .uff_geometry import UNITS, Nodes
 
 SUFFIXES = (".f06", ".pch")
 BULK = (".bdf", ".dat", ".nas", ".bulk")

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import ModalError
 from .coordinates import GLOBAL, Kind, System, through
-from .universal import Dataset
+from .uff_records import Dataset
 
 UNITS = {  # name: what turns metres and newtons into the file's units; those of dataset 164 in the order of their codes
     "SI": (1.0, 1.0),
