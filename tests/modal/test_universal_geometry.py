@@ -94,6 +94,7 @@ def test_coordinates_of_2411_are_the_parts(read):
     """The specification: its export system does not move them."""
     modes = read(systems_2420((4, 0, turned(1.0), np.ones(3))), nodes_2411(POINTS, 4, 0), mode_55(1, ALONG_Z))
     np.testing.assert_allclose(modes.point, POINTS)
+    np.testing.assert_allclose(read(nodes_2411(POINTS, 9, 0), mode_55(1, ALONG_Z)).point, POINTS)
 
 
 @pytest.mark.parametrize(
