@@ -49,6 +49,17 @@ def test_an_f06_with_its_echo(written, scale):
     assert modes.remark == ""
 
 
+def test_the_table_after_augmentation_counts(written):
+    """With residual vectors the table is printed twice, first without them."""
+    values, vectors = exact()
+    text = f06(six(vectors), values, [1.0] * 3, echo=[*grid(), *lumped()])
+    title = " " * 46 + "R E A L   E I G E N V A L U E S"
+    start, end = text.index(title), text.index("1\n      EIGENVALUE")
+    table = text[start:end]
+    before = table.replace(title, title + "\n" + " " * 40 + "(BEFORE AUGMENTATION OF RESIDUAL VECTORS)")
+    assert_exact(read_nastran(written(text[:start] + before + "1\n" + text[start:]), units="MM-N"))
+
+
 def test_an_f06_with_its_input_beside(written):
     values, vectors = exact()
     deck = ["SOL 103", "CEND", "METHOD = 1", "BEGIN BULK", *grid(), *lumped(), "ENDDATA"]

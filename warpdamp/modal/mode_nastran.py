@@ -117,7 +117,7 @@ def _printed(file: Path, lines) -> _Output:
             mode, in_table = None, True
         elif echo := _ECHO.fullmatch(line):
             output.bulk.append((number, echo[1]))
-        elif line.startswith("1") or "   E N D   O F " in line:  # a new page
+        elif line.startswith("1") or "(BEFORE AUGMENTATION" in line:  # a new page, or the table that another replaces
             mode, in_table = None, False
         elif in_table and line.split()[:1] and line.split()[0].isdigit():
             _eigenvalue(file, number, line, output)
