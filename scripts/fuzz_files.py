@@ -27,9 +27,9 @@ import universal_files as universal  # noqa: E402
 from warpdamp.errors import MissingLibrary, ModalError  # noqa: E402
 from warpdamp.modal.mesh_file import load_named  # noqa: E402
 from warpdamp.modal.mode_csv import read_csv, write_csv  # noqa: E402
+from warpdamp.modal.mode_nastran import read_nastran  # noqa: E402
 from warpdamp.modal.mode_uff import read_uff, write_uff  # noqa: E402
 from warpdamp.modal.modes import Modes  # noqa: E402
-from warpdamp.modal.nastran import read_nastran  # noqa: E402
 from warpdamp.text_file import TableError  # noqa: E402
 
 LONGEST = 10

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+import nastran_files as nastran
 from universal_files import mode_55, mode_2414, nodes_15, units, write
 from warpdamp import ConfigError, load
 from warpdamp.modal.from_config import modes
@@ -92,3 +93,17 @@ def test_suffixes(study, tmp_path, name):
     write(tmp_path / name, units(), nodes_15(POINTS), mode_55(1, ALONG_Z))
     found = modes(study(on_file().replace("modes.uff", name)), particles=0.0)
     np.testing.assert_allclose(found.modal_mass, [2.0])
+
+
+def test_modes_of_nastran(study, tmp_path):
+    """Three masses on springs, in millimetres, newtons and tonnes; the second grid point is the damper's."""
+    values, vectors = nastran.exact()
+    shapes = np.zeros((3, 3, 6))
+    shapes[:, :, 2] = vectors.T
+    text = nastran.f06(shapes, values, [1.0] * 3, echo=[*nastran.grid(), *nastran.lumped()])
+    (tmp_path / "RUN.F06").write_text(text)
+    found = modes(study(on_file("node: 12, units: MM-N").replace("modes.uff", "RUN.F06")), particles=0.0)
+    np.testing.assert_allclose(found.frequency, np.sqrt(values) / (2 * np.pi), rtol=5e-6)
+    np.testing.assert_allclose(found.modal_mass, 1e3 / vectors[1] ** 2, rtol=1e-5)
+    with pytest.raises(ConfigError, match=r"structure.mode_file: .*RUN.F06 does not say its units"):
+        modes(study(on_file("node: 12").replace("modes.uff", "RUN.F06")), particles=0.0)

@@ -7,8 +7,8 @@ import pytest
 
 from plate_theory import STEEL
 from warpdamp.errors import ModalError
-from warpdamp.modal.cells import EDGES, FACES, bent, tetrahedra, triangles
 from warpdamp.modal.clamp import Clamp
+from warpdamp.modal.mesh_cells import EDGES, FACES, bent, tetrahedra, triangles
 from warpdamp.modal.mesh_file import load_mesh, load_named
 from warpdamp.modal.section import MeshedSection, moments
 from warpdamp.modal.solid import MeshedSolid, StandingMass, solid_modes
@@ -116,6 +116,19 @@ def test_a_mixed_mesh_has_the_modes_of_its_solid(written):
         found.append(solid_modes(solid, StandingMass(0.1, (0.15, 0.01, 0.01), 0.01), highest=1))
     np.testing.assert_allclose(found[1].frequency, found[0].frequency, rtol=1e-2)
     np.testing.assert_allclose(found[1].amplitude, found[0].amplitude, rtol=2e-2)
+
+
+@pytest.mark.parametrize("kind", ["tetra10", "hexahedron20"])
+def test_second_order_cells_have_the_modes_of_first_order_ones(written, kind):
+    """Both are computed by quadratic elements; straight ones are the same solid to the last digits."""
+    points, cells = strip((4, 1, 1))
+    cells = tetrahedra(cells) if kind == "tetra10" else cells
+    found = []
+    for name, own, rows in ((kind.rstrip("0123456789"), points, cells), (kind, *second_order(points, cells, kind))):
+        solid = MeshedSolid(written(own, [(name, rows)]), STEEL, (Clamp(box=((0.0, 0.0), None, None)),), 1e-3)
+        found.append(solid_modes(solid, StandingMass(0.1, (0.15, 0.01, 0.01), 0.01), highest=1))
+    np.testing.assert_allclose(found[1].frequency, found[0].frequency, rtol=1e-8)
+    np.testing.assert_allclose(found[1].amplitude, found[0].amplitude, rtol=1e-6)
 
 
 def test_second_order_cells_that_are_mixed_are_cut_where_they_are_straight(written):

@@ -5,8 +5,8 @@ import pytest
 
 from nastran_files import MASS, POINTS, dmig, exact, f06, grid, lumped, pch
 from warpdamp.errors import ModalError
-from warpdamp.modal.bulk import cards, geometry, real
-from warpdamp.modal.nastran import UNCHECKED, read_nastran
+from warpdamp.modal.mode_nastran import UNCHECKED, read_nastran
+from warpdamp.modal.nastran_bulk import cards, geometry, real
 
 SIX_DIGITS = 5e-6
 CONSISTENT = MASS + 0.0002 * (np.eye(3, k=1) + np.eye(3, k=-1))
@@ -47,6 +47,17 @@ def test_an_f06_with_its_echo(written, scale):
     modes = read_nastran(written(text), units="MM-N")
     assert_exact(modes)
     assert modes.remark == ""
+
+
+def test_the_table_after_augmentation_counts(written):
+    """With residual vectors the table is printed twice, first without them."""
+    values, vectors = exact()
+    text = f06(six(vectors), values, [1.0] * 3, echo=[*grid(), *lumped()])
+    title = " " * 46 + "R E A L   E I G E N V A L U E S"
+    start, end = text.index(title), text.index("1\n      EIGENVALUE")
+    table = text[start:end]
+    before = table.replace(title, title + "\n" + " " * 40 + "(BEFORE AUGMENTATION OF RESIDUAL VECTORS)")
+    assert_exact(read_nastran(written(text[:start] + before + "1\n" + text[start:]), units="MM-N"))
 
 
 def test_an_f06_with_its_input_beside(written):

@@ -147,6 +147,17 @@ def test_what_is_no_mode_is_refused(refused, mode, change, message):
     refused(message, nodes_15(POINTS), mode(1, ALONG_Z, **change))
 
 
+@WRITERS
+@pytest.mark.parametrize("storage", [2, 5])
+def test_fewer_values_than_are_said(refused, mode, storage):
+    """Three reals a node where six, or twelve, are announced: the next nodes' numbers are not taken for values."""
+    points = [(0.1 * n, 0, 0) for n in range(4)]
+    lines = mode(1, {n: (0, 0, n) for n in range(1, 5)})
+    said = [line.replace(integers(2, 8, 2, 3), integers(3, 8, storage, 6)) for line in lines]
+    assert said != lines
+    refused(r"modes.uff:\d+: dataset \d+: expected \d+ numbers, got '2'", nodes_15(points), said)
+
+
 def test_data_on_elements_are_none_of_nodes(refused):
     refused(
         r"only .*dataset 2414 \(normal modes, data on elements\)", nodes_15(POINTS), mode_2414(1, ALONG_Z, location=2)

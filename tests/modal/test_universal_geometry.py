@@ -5,8 +5,8 @@ import pytest
 
 from universal_files import mode_55, mode_2414, nodes_15, nodes_2411, systems_18, systems_2420, units, write
 from warpdamp.errors import ModalError
-from warpdamp.modal.geometry_uff import UNITS
 from warpdamp.modal.mode_uff import read_uff
+from warpdamp.modal.uff_geometry import UNITS
 
 FIVE_DIGITS = 2e-5
 POINTS = [(0, 0, 0), (0.3, 0, 0)]
@@ -94,6 +94,7 @@ def test_coordinates_of_2411_are_the_parts(read):
     """The specification: its export system does not move them."""
     modes = read(systems_2420((4, 0, turned(1.0), np.ones(3))), nodes_2411(POINTS, 4, 0), mode_55(1, ALONG_Z))
     np.testing.assert_allclose(modes.point, POINTS)
+    np.testing.assert_allclose(read(nodes_2411(POINTS, 9, 0), mode_55(1, ALONG_Z)).point, POINTS)
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from ..scene.scene import Material
 from .eigenmodes import factorised, is_held
 
 if TYPE_CHECKING:
-    from skfem import Basis, Mesh
+    from skfem import Basis
 
 AXES = (0, 1, 2)
 
@@ -71,11 +71,6 @@ class Solid:
         """Solves (K - s M) x = b for the displacements that are not held; factorised once."""
         free = np.flatnonzero(~self.held)
         return factorised((self.stiffness - self.shift * self.mass)[free][:, free], free % self.place.shape[1])
-
-
-def without_loose_nodes(mesh: Mesh) -> Mesh:
-    """The mesh without the nodes that belong to no cell, as the points from which a geometry was built."""
-    return mesh.remove_unused_nodes() if len(np.unique(mesh.t)) < mesh.p.shape[1] else mesh
 
 
 def forms(basis: Basis, derivatives) -> dict:

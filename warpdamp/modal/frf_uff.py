@@ -23,8 +23,8 @@ from ..errors import ModalError
 from .frf_curve import Curve
 from .frf_units import SI, Ordinate, agreed, hertz, newtons, ordinate
 from .function_uff import COMPLEX, Axis, Function, function, values
-from .geometry_uff import units as file_units
-from .universal import datasets
+from .uff_geometry import units as file_units
+from .uff_records import datasets
 
 GENERAL, FRF = 0, 4
 QUANTITIES = {

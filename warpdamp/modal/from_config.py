@@ -12,12 +12,15 @@ import numpy as np
 from ..config.build import material
 from ..config.structure import BeamConfig, BoxConfig, ModeFileConfig, PointMassConfig
 from ..config.study import Config
+from ..errors import ModalError
+from . import mode_csv, mode_nastran, mode_rst, mode_uff
+from .clamp import Clamp
+from .modes import Modes
+from .section import Circle, MeshedSection, Rectangle, Section, Tube
 
 if TYPE_CHECKING:
     from .beam import Beam, PointMass
-    from .modes import Modes
-    from .section import Section
-    from .solid import Clamp, StandingMass
+    from .solid import StandingMass
 
 
 def modes(config: Config, *, particles: float) -> Modes:
@@ -84,8 +87,6 @@ def _beam_modes(config: Config, particles: float) -> Modes:
 
 
 def _section(config: Config, own: BeamConfig) -> Section:
-    from .section import Circle, MeshedSection, Rectangle, Tube
-
     if own.section:
         return MeshedSection(_file(config, own.section.file), own.section.unit)
     if own.wall:
@@ -125,8 +126,6 @@ def _mesh_modes(config: Config, particles: float) -> Modes:
 
 
 def _clamp(clamp: str | BoxConfig) -> Clamp:
-    from .solid import Clamp
-
     if isinstance(clamp, str):
         return Clamp(boundary=clamp)
     limits = (clamp.x, clamp.y, clamp.z)
@@ -151,29 +150,22 @@ def _mode_file(config: Config, particles: float) -> Modes:
 
 def _read_modes(file: Path, own: ModeFileConfig) -> Modes:
     """The modes in a file, by the reader of its suffix."""
-    from ..errors import ModalError
-    from . import mode_csv as table
-    from . import mode_uff as uff
-    from . import nastran, rst
-
     suffix = file.suffix.lower()
-    if suffix in uff.SUFFIXES:
-        return uff.read_uff(file, modal_mass=own.modal_mass, units=own.units)
-    if suffix in nastran.SUFFIXES:
-        return nastran.read_nastran(file, modal_mass=own.modal_mass, units=own.units)
-    if suffix in rst.SUFFIXES:
-        return rst.read_rst(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix in mode_uff.SUFFIXES:
+        return mode_uff.read_uff(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix in mode_nastran.SUFFIXES:
+        return mode_nastran.read_nastran(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix in mode_rst.SUFFIXES:
+        return mode_rst.read_rst(file, modal_mass=own.modal_mass, units=own.units)
     if suffix != ".csv":
-        every = (".csv", *uff.SUFFIXES, *nastran.SUFFIXES, *rst.SUFFIXES)
+        every = (".csv", *mode_uff.SUFFIXES, *mode_nastran.SUFFIXES, *mode_rst.SUFFIXES)
         raise ModalError(f"{file}: modes are read from {', '.join(every[:-1])} or {every[-1]}")
     if own.units is not None:
         raise ModalError(f"{file}: units are those of the table's columns, as x_m: leave units out")
-    return table.read_csv(file, modal_mass=own.modal_mass)
+    return mode_csv.read_csv(file, modal_mass=own.modal_mass)
 
 
 def _modes_given(config: Config, particles: float) -> Modes:
-    from .modes import Modes
-
     given = config.structure.modes_given
     alone = Modes(
         number=np.array([mode.number or k for k, mode in enumerate(given, 1)]),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import ModalError
-from .universal import Dataset
+from .uff_records import Dataset
 
 KINDS = (
     "general or unknown function", "time response", "auto spectrum", "cross spectrum", "FRF", "transmissibility",

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import ModalError
-from .cells import EDGES, FACES, KNOWN, agree, bent, collapsed, corners, cut, dimension, tetrahedra, triangles
+from .mesh_cells import EDGES, FACES, KNOWN, agree, bent, collapsed, corners, cut, dimension, tetrahedra, triangles
 from .optional import needs
 
 if TYPE_CHECKING:

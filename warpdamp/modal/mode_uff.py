@@ -12,12 +12,12 @@ import numpy as np
 
 from ..errors import ModalError
 from ..files import whole_file
-from .geometry_uff import Nodes, nodes
-from .geometry_uff import units as units_of
 from .modes import Modes, mass_normalised
 from .optional import needs
-from .shapes_uff import DISPLACEMENT, HEADS, NORMAL_MODE, Mode, mode_of
-from .universal import Dataset, datasets
+from .uff_geometry import Nodes, nodes
+from .uff_geometry import units as units_of
+from .uff_records import Dataset, datasets
+from .uff_shapes import DISPLACEMENT, HEADS, NORMAL_MODE, Mode, mode_of
 
 SUFFIXES = (".uff", ".unv", ".uf")
 CONTENTS = {15: "nodes", 18: "coordinate systems", 58: "functions", 82: "trace lines", 151: "header", 164: "units",

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from .mesh_file import load_mesh
+
 if TYPE_CHECKING:
     from skfem import Basis, Mesh
 
@@ -105,10 +107,7 @@ class MeshedSection:
         """
         from skfem import Basis, ElementQuad2, ElementTriP2, MeshQuad1, MeshTri1
 
-        from .fem import without_loose_nodes
-        from .mesh_file import load_mesh
-
-        mesh = without_loose_nodes(load_mesh(self.file, self.unit))
+        mesh = load_mesh(self.file, self.unit)
         if not isinstance(mesh, MeshTri1 | MeshQuad1):
             raise ValueError(f"{self.file} holds a {type(mesh).__name__}: a section is a plane mesh")
         element = ElementTriP2() if isinstance(mesh, MeshTri1) else ElementQuad2()

@@ -16,7 +16,7 @@ from ..errors import ModalError
 from ..scene.scene import Material
 from .clamp import Clamp
 from .eigenmodes import Attached, elastic_modes, turned
-from .fem import Solid, extruded, graded, integrals, meshed, without_loose_nodes
+from .fem import Solid, extruded, graded, integrals, meshed
 from .mesh_error import solid_error
 from .mesh_file import load_named
 from .modes import Modes
@@ -210,7 +210,7 @@ def _quadratic(solid: MeshedSolid):
     from skfem import Basis, ElementHex2, ElementTetP2, MeshHex1, MeshTet1
 
     named = load_named(solid.file, solid.unit)
-    mesh = without_loose_nodes(named.mesh)
+    mesh = named.mesh
     if isinstance(mesh, MeshTet1):
         element = ElementTetP2()
     elif isinstance(mesh, MeshHex1):

@@ -18,9 +18,9 @@ import numpy as np
 from ..errors import ModalError
 from ..text_file import read_text
 from . import orthonormal
-from .bulk import Bulk, Card, cards, geometry, real
-from .geometry_uff import UNITS, Nodes
 from .modes import Modes, mass_normalised
+from .nastran_bulk import Bulk, Card, cards, geometry, real
+from .uff_geometry import UNITS, Nodes
 
 SUFFIXES = (".f06", ".pch")
 BULK = (".bdf", ".dat", ".nas", ".bulk")
@@ -117,7 +117,7 @@ def _printed(file: Path, lines) -> _Output:
             mode, in_table = None, True
         elif echo := _ECHO.fullmatch(line):
             output.bulk.append((number, echo[1]))
-        elif line.startswith("1") or "   E N D   O F " in line:  # a new page
+        elif line.startswith("1") or "(BEFORE AUGMENTATION" in line:  # a new page, or the table that another replaces
             mode, in_table = None, False
         elif in_table and line.split()[:1] and line.split()[0].isdigit():
             _eigenvalue(file, number, line, output)

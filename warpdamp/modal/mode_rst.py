@@ -14,9 +14,9 @@ import numpy as np
 
 from ..errors import ModalError
 from . import orthonormal
-from .geometry_uff import UNITS
 from .modes import Modes, mass_normalised
 from .optional import needs
+from .uff_geometry import UNITS
 
 SUFFIXES = (".rst",)
 MODAL = 2

@@ -81,7 +81,8 @@ class Dataset:
         found: list[float] = []
         while len(found) < count:
             numbers = _numbers(self.text())
-            if not numbers:
+            lone = count > 1 and self.records[self.done - 1].strip().isdigit()  # the next node's number
+            if not numbers or lone:
                 raise self.error(f"expected {count} numbers, got '{self.records[self.done - 1].strip()}'")
             found += numbers
         if len(found) > count and not or_more:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import ModalError
 from .coordinates import GLOBAL, Kind, System, through
-from .universal import Dataset
+from .uff_records import Dataset
 
 UNITS = {  # name: what turns metres and newtons into the file's units; those of dataset 164 in the order of their codes
     "SI": (1.0, 1.0),
@@ -107,7 +107,8 @@ def nodes(file: Path, sets: list[Dataset]) -> Nodes:
     for dataset in (s for s in sets if s.number in NODES):
         while not dataset.finished:
             label, definition, displacement, point = _node(dataset)
-            for number in {definition, displacement} - systems.keys():
+            used = {definition, displacement} if dataset.number == 15 else {displacement}
+            for number in used - systems.keys():
                 raise dataset.error(
                     f"node {label} uses coordinate system {number}, which the file does not define (datasets 18, "
                     "2420): export in global coordinates, or with the coordinate systems"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .phase import LEAST, collinearity, turned_real
-from .universal import Dataset
+from .uff_records import Dataset
 
 NORMAL_MODE, COMPLEX_FIRST, COMPLEX_SECOND = 2, 3, 7
 ANALYSES = {0: "unknown", 1: "static", 2: "normal modes", 3: "complex modes", 4: "transient", 5: "frequency responses",
