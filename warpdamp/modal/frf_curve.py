@@ -64,7 +64,8 @@ class Curve:
         if not len(above):
             raise ModalError(f"{place(0)}: there is no value above 0 Hz")
         frequency = frequency[above]
-        values = values[above] * (2j * np.pi * frequency) ** DERIVATIVES[kind]
+        with np.errstate(invalid="ignore", over="ignore"):  # refused below
+            values = values[above] * (2j * np.pi * frequency) ** DERIVATIVES[kind]
         if not (np.abs(values) < LARGEST).all():
             k = int(np.argmin(np.abs(values) < LARGEST))
             raise ModalError(f"{place(above[k])}: the value at {frequency[k]:g} Hz is too large or no number")

@@ -100,7 +100,7 @@ class Scale:
 
     def applied(self, column: np.ndarray, default: str) -> np.ndarray:
         """Values in SI; ``default`` is the unit where the column names none."""
-        with np.errstate(over="ignore"):  # what is too large is refused with its line
+        with np.errstate(over="ignore"):
             amount = 10 ** (column / 20) if self.decibels else column
             return self.size * amount * ordinate(self.unit or default)[1]
 
@@ -138,7 +138,8 @@ def read_frf_table(file: Path, *, given: Ordinate | None = None, unit: str = "")
     values = [scale.applied(heads[scale.part][1], default) for scale in scales]
     if Part.PHASE in heads:
         head, phase = heads[Part.PHASE]
-        complex_values = values[0] * np.exp(1j * _radians(head) * phase)
+        with np.errstate(invalid="ignore"):  # what is too large is refused with its line
+            complex_values = values[0] * np.exp(1j * _radians(head) * phase)
     else:
         parts = dict(zip([scale.part for scale in scales], values, strict=True))
         complex_values = parts[Part.REAL] + 1j * parts[Part.IMAGINARY]

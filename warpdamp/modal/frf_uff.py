@@ -22,7 +22,7 @@ import numpy as np
 from ..errors import ModalError
 from .frf_curve import Curve
 from .frf_units import SI, Ordinate, agreed, hertz, newtons, ordinate
-from .function_uff import COMPLEX, Axis, Function, function, values
+from .uff_functions import COMPLEX, Axis, Function, function, values
 from .uff_geometry import units as file_units
 from .uff_records import datasets
 
@@ -105,14 +105,16 @@ def _curve(function: Function, system, given: Ordinate | None, unit: str, remark
         raise function.error("a rotation: only translations are read")
     kind, factor, unit_said = _scale(function, system, given, unit)
     hertz_each, abscissa_said = _abscissa(function)
-    x, data = values(function)
+    with np.errstate(invalid="ignore", over="ignore"):  # what is too large is refused with its place
+        x, data = values(function)
+        x, data = hertz_each * x, factor * data
 
     def place(k: int) -> str:
         return f"{function.dataset.file}:{function.dataset.line}: value {k + 1} of function {function.number}"
 
     load = f"load case {function.load_case}" if function.load_case else ""
     z = f"z-axis {function.z:g}" if function.z else ""
-    curve = Curve.of(hertz_each * x, factor * data, kind, place)
+    curve = Curve.of(x, data, kind, place)
     return curve.described(
         f"{kind} in {unit_said}", abscissa_said, load, z, remark, name=f"{function.response}/{function.reference}"
     )

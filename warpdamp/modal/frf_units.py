@@ -88,7 +88,7 @@ def hertz(unit: str) -> float:
     """
     known = re.sub(r"[\s*]*s(ec)?\s*\^?\s*-1$|\s*/\s*s(ec)?$", "/s", _tidy(unit).strip().lower())
     if known not in HERTZ or unit.strip().startswith("M"):
-        raise ValueError(f"'{unit}' is no unit of frequency: write Hz, kHz, rad/s or rpm")
+        raise ValueError(f"{unit!r} is no unit of frequency: write Hz, kHz, rad/s or rpm")
     return HERTZ[known]
 
 
@@ -106,7 +106,7 @@ def ordinate(unit: str) -> tuple[Ordinate, float]:
     kind = KINDS.get((powers.pop("[mass]", 0), powers.pop("[time]", 0)), "another quantity")
     if powers or not isinstance(kind, Ordinate):
         kind = "no response over force" if powers else f"that of {kind}"
-        raise ValueError(f"the unit '{unit}' is {kind}: {REMEDY}")
+        raise ValueError(f"the unit {unit!r} is {kind}: {REMEDY}")
     return kind, float(quantity.magnitude)
 
 
@@ -134,7 +134,7 @@ def newtons(unit: str) -> float:
         If it is a unit of something else, or none.
     """
     if unit.lower() not in NEWTON or unit in AMBIGUOUS:
-        raise ValueError(f"'{unit}' is no unit of force: write N or lbf")
+        raise ValueError(f"{unit!r} is no unit of force: write N or lbf")
     return float(_quantity(unit).magnitude)
 
 
@@ -147,7 +147,7 @@ def _quantity(unit: str):
             raise ValueError("has other characters")
         return registry().Quantity(" ".join(map(_for_pint, tokens))).to_base_units()
     except Exception:  # pint lets its tokenizer's errors through under many names
-        raise ValueError(f"cannot read the unit '{unit}': write it as (m/s^2)/N or g/lbf") from None
+        raise ValueError(f"cannot read the unit {unit!r}: write it as (m/s^2)/N or g/lbf") from None
 
 
 def _tidy(unit: str) -> str:

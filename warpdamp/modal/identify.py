@@ -171,7 +171,7 @@ def fit_curve(frequency, accelerance, near, damping: Damping = Damping.STRUCTURA
         band = fits.bands[mode]
         for method, fit in ONE_MODE.items():
             _keep(fits, method, mode, frequency[band], partial(fit, frequency[band], accelerance[band], damping))
-    if fits.bands:
+    if fits.found:
         _fit_together(fits, frequency, accelerance, damping)
     return fits
 
@@ -186,25 +186,17 @@ def _new_band(frequency, accelerance, near: float, others) -> slice:
 
 
 def _fit_together(fits: Fits, frequency, accelerance, damping: Damping) -> None:
-    together = np.concatenate([np.arange(band.start, band.stop) for band in fits.bands.values()])
-    start = [_start(fits, mode, frequency, accelerance) for mode in fits.bands]
+    """Least squares of all modes that some other method has found, from where it found them."""
+    start = {mode: fit for (_, mode), fit in fits.found.items()}
+    bands = {mode: fits.bands[mode] for mode in start}
+    together = np.concatenate([np.arange(band.start, band.stop) for band in bands.values()])
     try:
-        every = least_squares(frequency[together], accelerance[together], start, damping)
+        every = least_squares(frequency[together], accelerance[together], list(start.values()), damping)
     except ModalError as error:
         fits.refused.append(str(error))
         return
-    for (mode, band), fit in zip(fits.bands.items(), every, strict=True):
+    for (mode, band), fit in zip(bands.items(), every, strict=True):
         _keep(fits, Method.LEAST_SQUARES, mode, frequency[band], partial(replace, fit))
-
-
-def _start(fits: Fits, mode: int, frequency, accelerance) -> Fit:
-    """Where the least squares begin: at Dobson's fit, or at the band's peak and width."""
-    if (Method.DOBSON, mode) in fits.found:
-        return fits.found[Method.DOBSON, mode]
-    band = fits.bands[mode]
-    inside = frequency[band]
-    peak = inside[np.argmax(np.abs(accelerance[band]))]
-    return Fit(float(peak), float((inside[-1] - inside[0]) / peak / 2), 1.0)
 
 
 def _keep(fits: Fits, method: Method, mode: int, band, fitted) -> None:

@@ -167,7 +167,7 @@ def _fields(dataset: Dataset, widths, kinds: str) -> list:
         if kind == "s":
             found.append(cell)
             continue
-        if not re.fullmatch(r"[-+]?\d*" if kind == "i" else rf"({_REAL.pattern})?", cell):
+        if not re.fullmatch(r"[-+]?\d*" if kind == "i" else rf"({_REAL.pattern})?", cell) or cell in ("-", "+"):
             raise dataset.error(f"expected a number, got '{cell}' in '{record.strip()[:60]}'")
         number = float(cell.lower().replace("d", "e") or 0)
         found.append(int(number) if kind == "i" else number)
