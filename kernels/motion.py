@@ -96,7 +96,7 @@ def motion(effects):
 
     @wp.func
     def kick(case: Case, p: wp.array(dtype=Particle), inertial: vec3, h: real):
-        """Bring the velocities from the half step before to the whole step; returns inertial work [J] and momentum [kg m/s]."""
+        """Bring the velocities from the half step before to the whole step; returns inertial work and mean momentum."""
         momentum = wp.vec3d()  # twice the mean of before and after
         body = body_force(case, inertial)
         for i in range(case.first, case.first + case.count):

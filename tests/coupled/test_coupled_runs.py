@@ -12,7 +12,8 @@ from scipy.signal import lsim
 from warpdamp import ConfigError, load
 from warpdamp.config.coupled import RandomConfig, SweptConfig
 from warpdamp.coupled import forces
-from warpdamp.coupled.run import _runs, accelerance_from_records, simulate
+from warpdamp.coupled.response import averaged
+from warpdamp.coupled.run import _runs, simulate
 from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
 from warpdamp.numerics import regression as fits
@@ -80,7 +81,7 @@ def test_the_accelerance_of_a_linear_oscillator():
     blow = np.where(time < 0.008, np.sin(np.pi * time / 0.008), 0.0)
     for samples, sample_step, pieces in ((swept, own, 1), (noise, other, 15), (blow, step, 1)):
         force = np.interp(time, np.arange(len(samples)) * sample_step, samples)
-        frequency, found = accelerance_from_records([(force, lsim(system, force, time)[1])], step, pieces)
+        frequency, found = averaged([(force, lsim(system, force, time)[1])], step, pieces)
         near = (frequency > 38) & (frequency < 42)
         s = 2j * np.pi * frequency[near]
         exact = phi**2 * s**2 / (s**2 + 2 * zeta * w * s + w**2)

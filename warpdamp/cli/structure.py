@@ -70,7 +70,7 @@ def coupled(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")] = Path("results"),
     workers: Annotated[int | None, typer.Option(min=1, help="Processes (default: all cores).")] = None,
 ) -> None:
-    """Let the structure answer: a force on it, or its release, with the particles in the loop."""
+    """Let the structure answer: a force on it, its base's motion or its release, with the particles in the loop."""
     with one_line_errors():
         from ..analysis.results import write
         from ..coupled.run import simulate
@@ -86,6 +86,8 @@ def coupled(
         path = output / f"{config.stem}-coupled.nc"
         write(runs, path)
         save(answers(runs), path.with_suffix(".png"))
+    if "left_out" in runs.attrs:
+        print(runs.attrs["left_out"])
     lost = runs["particle_loss"] + runs["structure_loss"]
     print(
         f"particles took {100 * float((runs['particle_loss'] / lost).mean()):.3g} % of the energy lost; energy of "

@@ -15,6 +15,7 @@ Direction = Literal["x", "y", "z"] | Annotated[list[Number], Field(min_length=3,
 MeshUnit = Annotated[Length, POSITIVE]
 ModeNumber = Annotated[StrictInt, Field(ge=1)]
 Damping = Annotated[Number, NOT_NEGATIVE]
+Participation = quantity("kg^0.5")
 
 
 class SectionConfig(Model):
@@ -98,13 +99,17 @@ class PointMassConfig(Model):
 
 
 class ModeFileConfig(Model):
-    """Modes from a UFF or CSV file, and where on it the damper sits."""
+    """Modes from a UFF or CSV file, and where on it the damper sits.
+
+    ``participation``: of each of them, positive where base and damper move the same way.
+    """
 
     file: str
     node: StrictInt | None = None
     position: Annotated[list[Length], Field(min_length=3, max_length=3)] | None = None
     direction: Direction = "z"
     modal_mass: Annotated[Mass, POSITIVE] | list[Annotated[Mass, POSITIVE]] | None = None
+    participation: list[Participation] | None = None
     units: Literal["SI", "BG", "MG", "BA", "MM", "CM", "IN", "GM"] | None = None
 
     @model_validator(mode="after")
@@ -115,12 +120,16 @@ class ModeFileConfig(Model):
 
 
 class GivenModeConfig(Model):
-    """A mode in numbers: its shape at the damper as modal mass 1 / phi^2 or as amplitude phi."""
+    """A mode in numbers: its shape at the damper as modal mass 1 / phi^2 or as amplitude phi.
+
+    ``participation``: Gamma = phi^T M d, of a base that moves along the excitation.
+    """
 
     frequency: Annotated[Frequency, POSITIVE]
     modal_mass: Annotated[Mass, POSITIVE] | None = None
     amplitude: Annotated[quantity("kg^-0.5"), POSITIVE] | None = None
     damping: Damping = 0.0
+    participation: Participation | None = None
     number: ModeNumber | None = None
 
     @model_validator(mode="after")

@@ -15,7 +15,7 @@ from scipy.sparse import diags, eye, kron, vstack
 
 from ..scene.scene import Material
 from .extrusion import Carried, converged, swept
-from .fem import Attached, Elastic, Solid, elastic_modes, extruded, graded, integrals, turned
+from .fem import Attached, Elastic, Solid, elastic_modes, extruded, graded, integrals, participation, turned
 from .mesh_error import swept_error
 from .modes import Modes
 from .section import Section, moments
@@ -87,9 +87,9 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
     masses = (damper, *beam.masses)
     shared = 4 if beam.section.quarter else 1
     if beam.section.quarter:
-        station, read, squares, vectors, error = _of_a_quarter(beam, section, masses, highest)
+        station, read, squares, vectors, gamma, error = _of_a_quarter(beam, section, masses, highest)
     else:
-        station, read, squares, vectors, error = _of_a_mesh(beam, section, masses, highest)
+        station, read, squares, vectors, gamma, error = _of_a_mesh(beam, section, masses, highest)
     modes = Modes(
         number=np.arange(1, highest + 1),
         frequency=np.sqrt(squares) / (2 * np.pi),
@@ -97,12 +97,13 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
         shape=np.stack([(mean @ vectors).T for mean in read[:3]], axis=2) / math.sqrt(shared),
         inherent_damping=np.zeros(highest),
         mesh_error=error,
+        participation=math.sqrt(shared) * gamma,
     )
     return modes.at((damper.position, 0, 0), np.eye(3)[axis])
 
 
 def _of_a_quarter(beam: Beam, section, masses, highest: int):
-    """Planes [m], what reads their motion, squares, vectors and no error of a beam that a quarter stands for."""
+    """Planes [m], what reads their motion, squares, vectors, participation and no error of a beam, by a quarter of it."""
     axis = BENDS[beam.bends]
     solid, station = _supported(beam, section, masses)
     solid = _bending_only(solid, axis)
@@ -110,7 +111,9 @@ def _of_a_quarter(beam: Beam, section, masses, highest: int):
     rows = [kron(np.eye(3)[along], kron(eye(len(station)), weights), format="csr") for along, weights, _ in carried]
     rows = [0 * mean if along != axis else mean for along, mean in enumerate(rows[:3])] + rows[3:]
     of_line = _line_mass(beam, section, station)
-    return station, rows, *_bending_modes(solid, rows, carried, of_line, axis, highest, 1), None
+    squares, vectors = _bending_modes(solid, rows, carried, of_line, axis, highest, 1)
+    gamma = participation(solid, _attached(rows, carried), vectors) * np.eye(3)[axis]  # the others' quarters cancel
+    return station, rows, squares, vectors, gamma, None
 
 
 def _of_a_mesh(beam: Beam, section, masses, highest: int):
@@ -132,7 +135,9 @@ def _of_a_mesh(beam: Beam, section, masses, highest: int):
     found = converged(extrusion, carried, modes)
     displacement = found.reduced.displacement(found.vectors)
     error = swept_error(section, stations, beam.material, found.squares, displacement) + found.rest / 2
-    return station, rows(found.reduced), found.squares, found.vectors, error
+    read = rows(found.reduced)
+    gamma = participation(found.reduced, _attached(read, carried), found.vectors)
+    return station, read, found.squares, found.vectors, gamma, error
 
 
 def _bending_modes(solid: Elastic, rows, carried, of_line, axis: int, highest: int, families: int):
@@ -148,7 +153,7 @@ def _bending_modes(solid: Elastic, rows, carried, of_line, axis: int, highest: i
     highest : number of the highest mode
     families : of modes that lie between, those of bending included
     """
-    attached = Attached(vstack(rows, format="csr"), np.concatenate([mass for _, _, mass in carried]))
+    attached = _attached(rows, carried)
     *_, load, inertia = (mass for _, _, mass in carried)
     in_bending = vstack([diags(np.sqrt(of_line + load)) @ rows[axis], diags(np.sqrt(inertia)) @ rows[3]])
 
@@ -158,6 +163,11 @@ def _bending_modes(solid: Elastic, rows, carried, of_line, axis: int, highest: i
         return (squares[found], vectors[:, found]) if len(found) == highest else None
 
     return elastic_modes(solid, attached, select, count=families * highest + 4)
+
+
+def _attached(rows, carried) -> Attached:
+    """The masses that follow what the rows read."""
+    return Attached(vstack(rows, format="csr"), np.concatenate([mass for _, _, mass in carried]))
 
 
 def _line_mass(beam: Beam, section, station) -> np.ndarray:

@@ -144,6 +144,7 @@ def _mode_file(config: Config, particles: float) -> Modes:
         raise ValueError(f"{file}: modes are read from .csv or {', '.join(SUFFIXES)}")
     direction = _direction(own.direction)
     seen = every.at(own.position, direction) if own.node is None else every.at_label(own.node, direction)
+    seen = _with_participation(seen, own.participation)
     return seen if config.structure.particles_included else seen.with_mass(particles)
 
 
@@ -158,7 +159,27 @@ def _modes_given(config: Config, particles: float) -> Modes:
         shape=np.array([[[0.0, 0.0, mode.phi]] for mode in given]),
         inherent_damping=np.array([mode.damping for mode in given]),
     )
+    gammas = [mode.participation for mode in given]
+    if any(gamma is not None for gamma in gammas):
+        if None in gammas:
+            raise ValueError(f"mode {alone.number[gammas.index(None)]} has no participation, and others have one")
+        alone = _with_participation(alone, gammas)
     return alone if config.structure.particles_included else alone.with_mass(particles)
+
+
+def _with_participation(modes: Modes, given: list[float] | None) -> Modes:
+    """Modes with the participation factors of a base that moves along their direction, where they are given [kg^0.5].
+
+    Raises
+    ------
+    ValueError
+        If there is not one for each mode.
+    """
+    if given is None:
+        return modes
+    if len(given) != len(modes.number):
+        raise ValueError(f"participation: {len(given)} values for {len(modes.number)} modes")
+    return replace(modes, participation=np.outer(given, modes.direction))
 
 
 MAKERS = {

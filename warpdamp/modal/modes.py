@@ -29,6 +29,8 @@ class Modes:
     label : (p,) array, names of the points where they have any, as node numbers of a file
     mesh_error : (m,) array [-]
         Parts by which a mesh lifts the frequencies, about; None where no mesh of the user's stands behind them.
+    participation : (m, 3) array [kg^0.5] or None
+        Gamma = phi^T M d of each mode, d the unit displacement of a structure that follows its base along x, y or z.
     """
 
     number: np.ndarray
@@ -40,6 +42,7 @@ class Modes:
     direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
     label: np.ndarray | None = None
     mesh_error: np.ndarray | None = None
+    participation: np.ndarray | None = None
 
     @property
     def amplitude(self) -> np.ndarray:
@@ -80,6 +83,7 @@ class Modes:
             shape=self.shape[rows],
             inherent_damping=self.inherent_damping[rows],
             mesh_error=None if self.mesh_error is None else self.mesh_error[rows],
+            participation=None if self.participation is None else self.participation[rows],
         )
 
     def at(self, position, direction=None) -> Modes:
@@ -107,7 +111,8 @@ class Modes:
         """The same modes as a damper at row ``damper`` of the points sees them, with positive amplitudes."""
         unit = tuple(float(c) for c in np.asarray(direction, float) / np.linalg.norm(direction))
         sign = np.where(self.shape[:, damper] @ np.asarray(unit) < 0, -1.0, 1.0)
-        return replace(self, damper=damper, direction=unit, shape=sign[:, None, None] * self.shape)
+        gamma = None if self.participation is None else sign[:, None] * self.participation
+        return replace(self, damper=damper, direction=unit, shape=sign[:, None, None] * self.shape, participation=gamma)
 
     def with_mass(self, mass: float) -> Modes:
         """The modes of the same structure with a point mass [kg] more at the damper.
@@ -130,6 +135,7 @@ class Modes:
             frequency=(new / (2 * np.pi))[order],
             shape=np.einsum("rm,rpc->mpc", q, self.shape)[order],
             inherent_damping=damping[order],
+            participation=None if self.participation is None else (q.T @ (self.participation + mass * at))[order],
         )
         return changed.seen_from(self.damper, self.direction)
 

@@ -13,7 +13,18 @@ from scipy.sparse import csr_matrix, eye, kron, vstack
 from scipy.sparse.csgraph import connected_components
 
 from ..scene.scene import Material
-from .fem import Attached, Solid, elastic_modes, extruded, graded, integrals, meshed, turned, without_loose_nodes
+from .fem import (
+    Attached,
+    Solid,
+    elastic_modes,
+    extruded,
+    graded,
+    integrals,
+    meshed,
+    participation,
+    turned,
+    without_loose_nodes,
+)
 from .mesh_error import solid_error
 from .mesh_file import load_mesh
 from .modes import Modes
@@ -282,5 +293,6 @@ def _modes(solid: Solid, standing, patches, nodes, direction, highest: int, erro
         shape=np.concatenate([(rows[0] @ vectors)[:, None], of_nodes], axis=1).transpose(2, 1, 0),
         inherent_damping=np.zeros(highest),
         mesh_error=error and error(squares, vectors),
+        participation=participation(solid, attached, vectors),
     )
     return modes.seen_from(0, direction)
