@@ -117,17 +117,25 @@ class RecordedConfig(Model):
     file: str
 
 
-class BaseHarmonicConfig(Model):
-    """Acceleration gamma g sin(2 pi f t) of the base."""
+class BaseAmplitude(Model):
+    """Acceleration amplitude gamma g of a base."""
 
     gamma: Gamma
+
+    @property
+    def amplitude(self) -> float:
+        """Of the acceleration [m/s^2]."""
+        return self.gamma * STANDARD_GRAVITY
+
+
+class BaseHarmonicConfig(BaseAmplitude):
+    """Acceleration gamma g sin(2 pi f t) of the base."""
+
     frequency: Hertz
 
 
-class BaseSweptConfig(Band):
+class BaseSweptConfig(BaseAmplitude, Band):
     """A sine whose frequency goes from one to the other at a constant rate; acceleration amplitude gamma g."""
-
-    gamma: Gamma
 
 
 class BaseRandomConfig(Model):

@@ -51,7 +51,7 @@ def signals(config: Config) -> list[Signal | None]:
     if own.release:
         return [None] * len(own.levels)
     if harmonic:
-        return [kind(level * _amplitude(harmonic), harmonic.frequency) for level in own.levels]
+        return [kind(level * harmonic.amplitude, harmonic.frequency) for level in own.levels]
     try:
         samples, step = _samples(config)
     except (OSError, ValueError) as error:
@@ -59,16 +59,11 @@ def signals(config: Config) -> list[Signal | None]:
     return [kind(samples=level * samples, sample_step=step) for level in own.levels]
 
 
-def _amplitude(signal) -> float:
-    """Of a harmonic or a swept signal [N or m/s^2]."""
-    return signal.gamma * STANDARD_GRAVITY if hasattr(signal, "gamma") else signal.amplitude
-
-
 def _samples(config: Config) -> tuple[np.ndarray, float]:
     own = config.coupled
     signal, duration = own.signals, own.duration
     if signal.swept:
-        return forces.swept(signal.swept, _amplitude(signal.swept), duration)
+        return forces.swept(signal.swept, duration)
     if signal.random:
         if signal.random.spectrum:
             return noise.samples(signal.random.spectrum, signal.random.seed, duration)

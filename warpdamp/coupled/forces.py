@@ -16,13 +16,13 @@ SAMPLES = 64
 """To a period of the highest frequency: straight lines then miss a sine by 0.12 % at most, (2 pi / 64)^2 / 8."""
 
 
-def swept(config: SweptConfig | BaseSweptConfig, amplitude: float, duration: float) -> tuple[np.ndarray, float]:
-    """Samples of a swept sine of an ``amplitude``, and the step between them [s]."""
+def swept(config: SweptConfig | BaseSweptConfig, duration: float) -> tuple[np.ndarray, float]:
+    """Samples of a swept sine, and the step between them [s]."""
     from scipy.signal import chirp
 
     time, step = times(max(config.from_, config.to), duration)
     phase = -90  # it starts at zero, as a sine
-    return amplitude * chirp(time, config.from_, duration, config.to, phi=phase), step
+    return config.amplitude * chirp(time, config.from_, duration, config.to, phi=phase), step
 
 
 def random(config: RandomConfig, duration: float) -> tuple[np.ndarray, float]:
