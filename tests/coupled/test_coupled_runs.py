@@ -9,14 +9,13 @@ import pytest
 import xarray as xr
 from scipy.signal import lsim
 
-from warpdamp import ConfigError, load
+from warpdamp import ConfigError, fits, load
 from warpdamp.config.coupled import RandomConfig, SweptConfig
 from warpdamp.coupled import forces
 from warpdamp.coupled.response import averaged
 from warpdamp.coupled.run import _runs, simulate
 from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
-from warpdamp.numerics import regression as fits
 
 HEAVY = """
 structure:
@@ -183,7 +182,7 @@ def test_the_command(write, tmp_path):
         (
             "",
             "coupled: {duration: 0.1 s, harmonic: {amplitude: 1 N, frequency: 40 Hz}}",
-            "at least 20 cycles of the force",
+            "at least 20 cycles of it",
         ),
         ("", "coupled: {duration: 1 s, swept: {amplitude: 1 N, form: 1 Hz, to: 2 Hz}}", "did you mean 'from'"),
     ],

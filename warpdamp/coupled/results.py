@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..analysis.results import provenance
+from ..config.reading import resolved_yaml
 from ..scene.scene import STANDARD_GRAVITY
+from ..variables import describe
 from . import forces, noise, response
 from .excitation import ends_within
 from .identify import Identified, from_decay, from_response
@@ -34,10 +37,6 @@ def assembled(
 ) -> xr.Dataset:
     """Records, energies and readings of all runs, by (level, seed)."""
     import xarray as xr
-
-    from ..analysis.results import provenance
-    from ..config.reading import resolved_yaml
-    from ..variables import describe
 
     own, seeds = config.coupled, config.seeds
     shape = (len(own.levels), len(seeds))

@@ -15,9 +15,12 @@ from ..config.build import grains, particle_mass, scene
 from ..damper.case import Request
 from ..damper.preparation import prepare
 from ..engine import checks as guards
+from ..errors import PackingError, SimulationError
 from ..kernels.columns import KernelStatus
+from ..modal.from_config import modes as modes_of
 from ..numerics.timestep import Numerics, contact_step
 from ..scene.scene import Drive, Scene, Signal
+from ..sweep.cases import Cases
 from . import excitation
 from .excitation import RECORDS, RECORDS_OF_CONTENT, STEPS_OF_CONTENT
 from .identify import mount_of
@@ -73,7 +76,7 @@ def simulate(config: Config, executor: Executor, report: Callable[[float], None]
         for future in as_completed(futures):
             found[futures[future]] = future.result()
             report(len(found) / len(futures))
-    except guards.PackingError as error:
+    except PackingError as error:
         raise config.error(error.key, str(error)) from None
     return assembled(config, runs, found, signals)
 
@@ -97,7 +100,7 @@ def advance(run: Run) -> dict:
     batch.advance(run.steps)
     spent = time.process_time() - started
     if batch.status[0] != KernelStatus.OK:
-        raise guards.SimulationError(
+        raise SimulationError(
             f"the run of seed {run.bed.seed} broke off at step {batch.steps[0]}: raise numerics.steps_per_contact, or "
             "lower the force"
         )
@@ -119,7 +122,7 @@ def advance(run: Run) -> dict:
 def _runs(config: Config) -> tuple[dict[tuple[int, int], Run], list[Signal | None]]:
     """Runs by (level, seed), and the signal of each level."""
     config = _single(config)
-    own, modes = config.coupled, _modes(config)
+    own, modes = config.coupled, modes_of(config, particles=0.0)
     _check(config, modes)
     beds, base, particles = grains(config), scene(config), particle_mass(config)
     weight = particles * float(np.dot(base.gravity, config.excitation.direction))
@@ -158,8 +161,6 @@ def _step(reference: float, content: float, longest: float) -> tuple[float, int]
 
 def _single(config: Config) -> Config:
     """The configuration without lists, if it is of one combination and has all that a coupled run takes."""
-    from ..sweep.cases import Cases
-
     if config.coupled is None:
         raise config.error("coupled", "missing: it says what moves the structure, as release: {gamma: 10, mode: 1}")
     if config.structure is None:
@@ -188,7 +189,7 @@ def _check(config: Config, modes: Modes) -> None:
         raise config.error("coupled.release.mode", f"there is no mode {own.release.mode}; the structure has {known}")
     harmonic = own.signals.harmonic
     if harmonic and len(modes.number) == 1 and own.duration * harmonic.frequency < 2 * WINDOW:
-        raise config.error("coupled.duration", f"is too short to read a mode: take at least {2 * WINDOW} cycles")
+        raise config.error("coupled.duration", f"is too short to read a mode: take at least {2 * WINDOW} cycles of it")
     if own.base:
         _check_base(config, modes)
 
@@ -206,9 +207,3 @@ def _check_base(config: Config, modes: Modes) -> None:
 
 NO_PART = 1e-6
 """Of a participation factor, over the largest along any axis: less is rounding."""
-
-
-def _modes(config: Config) -> Modes:
-    from ..modal.from_config import modes
-
-    return modes(config, particles=0.0)
