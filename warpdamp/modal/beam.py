@@ -103,7 +103,7 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
 
 
 def _of_a_quarter(beam: Beam, section, masses, highest: int):
-    """Planes [m], what reads their motion, squares, vectors, participation and no error of a beam, by a quarter of it."""
+    """Planes [m], what reads their motion, squares, vectors, participation, no error: of a beam, by a quarter of it."""
     axis = BENDS[beam.bends]
     solid, station = _supported(beam, section, masses)
     solid = _bending_only(solid, axis)
