@@ -86,6 +86,10 @@ VARIABLES = {
     "fitted_modal_constant": ("kg-1", "size of the modal constant fitted to the FRF"),
     "within_range": ("1", "whether Gamma lies in the range of the damper's results"),
     "inherent_damping": ("1", "damping ratio without the damper"),
+    # several dampers on one structure (study/several.py)
+    "damper_gamma": ("1", "acceleration amplitude over g at the damper's own place"),
+    "damper_amplitude": ("kg-0.5", "mass-normalised mode shape at each damper, positive"),
+    "damper_share": ("1", "what a damper adds to the modal damping ratio"),
     # coupled runs (coupled_runs.py)
     "structure_displacement": ("m", "displacement of the enclosure along the excitation, relative to its base"),
     "structure_acceleration": ("m s-2", "acceleration of the enclosure along the excitation, a base's included"),

@@ -62,9 +62,9 @@ def over_packings(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.Data
 
 
 def worst_status(dataset: xr.Dataset) -> xr.DataArray:
-    """How the worst packing of every point ended."""
+    """How the worst packing of every point ended, of all dampers where there are several."""
     status = dataset["status"]
-    return status.max("seed") if "seed" in status.dims else status
+    return status.max([dim for dim in ("seed", "damper") if dim in status.dims])
 
 
 def ran(dataset: xr.Dataset) -> xr.DataArray:

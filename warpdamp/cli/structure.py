@@ -11,6 +11,7 @@ from ..errors import UsageError
 from .common import ConfigArgument, one_line_errors, progress, save_as_asked, writable
 
 if TYPE_CHECKING:
+    from ..config.study import Config
     from ..modal.modes import Modes
 
 app = typer.Typer()
@@ -33,12 +34,20 @@ def modes(
         from ..config.build import particle_mass
         from ..modal.from_config import modes as own_modes
         from ..report.tables import modes_table
+        from ..study.several import every_damper, modes_of_all
         from ..sweep.cases import Cases
         from ..sweep.load import load
 
         checked = load(config)
         if checked.structure is None:
             raise checked.error("structure", "missing: there are no modes without a structure")
+        if checked.dampers:
+            alone = every_damper(checked)
+            seen = modes_of_all(checked, alone)
+            _show_dampers(alone, seen)
+            if output:
+                _write_modes(seen[0], output, checked.title)
+            return
         every = [point.config for point in Cases(checked).points() if point.config]
         masses = {particle_mass(single) for single in every}
         if not checked.structure.particles_included:
@@ -50,6 +59,21 @@ def modes(
     for particles, own in found.items():
         console.print(f"with {1e3 * particles:.2f} g of particles", highlight=False)
         console.print(modes_table(own))
+
+
+def _show_dampers(alone: list[Config], seen: list[Modes]) -> None:
+    """The modes with the particles of several dampers, as each of these sees them."""
+    from rich.console import Console
+
+    from ..config.build import particle_mass
+    from ..report.tables import modes_table
+
+    masses = [particle_mass(config) for config in alone]
+    console = Console()
+    for k, modes in enumerate(seen, 1):
+        own, total = 1e3 * masses[k - 1], 1e3 * sum(masses)
+        console.print(f"at damper {k}, which holds {own:.2f} g of {total:.2f} g of particles", highlight=False)
+        console.print(modes_table(modes))
 
 
 def _write_modes(modes: Modes, path: Path, title: str) -> None:
