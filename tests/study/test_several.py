@@ -2,8 +2,12 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from warpdamp import ConfigError, load, run
+from warpdamp import ConfigError, accelerance, carry_out, load, run
+from warpdamp.coupled.run import simulate
+from warpdamp.errors import ModalError
+from warpdamp.execution.executors import InProcess
 from warpdamp.modal.from_config import modes, seen_by_all
 from warpdamp.study.explain import explain
 from warpdamp.study.several import every_damper, modes_of_all, studies
@@ -109,12 +113,25 @@ def test_it_is_explained(write):
     assert "at 40 Hz, Gamma 1" in text
 
 
+def test_what_is_for_one_damper_says_so(write):
+    """Coupled runs, FRFs and parts of a run are refused by name."""
+    text = GIVEN.replace("PHI", "1").replace("included: true", "included: false")
+    config = load(write(text + "coupled: {duration: 1 s, release: {gamma: 1, mode: 1}}\n"))
+    with pytest.raises(ConfigError, match="dampers: a coupled run takes one damper"):
+        simulate(config, InProcess())
+    with pytest.raises(ConfigError, match="dampers: several dampers are run as a whole: leave --part out"):
+        carry_out(config, "nowhere", part=(1, 2))
+    with pytest.raises(ModalError, match="several dampers, which have no one mass"):
+        accelerance(xr.Dataset(coords={"damper": [1, 2]}))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
         ("    amplitude: [PHI kg^-0.5, 0]\n", "", "dampers.0: say where the damper sits, by one of point_mass, node"),
         ("amplitude: [PHI kg^-0.5, 0]", "node: 3", r"dampers.0.node: on structure.modes_given give amplitude instead"),
         ("amplitude: [PHI kg^-0.5, 0]", "amplitude: [1]", "dampers.0.amplitude: 1 values for 2 modes"),
+        ("[PHI kg^-0.5, 0]", "[0, 0]", "dampers.0.amplitude: is on a node of every mode"),
         ("gamma: [2, 4]", "gamma: 2, frequency: 40 Hz", "shaken at the structure's modes: leave it out"),
         ("friction: 0.5", "friction: [0.4, 0.5]", "takes one value where there are several dampers"),
         ("preparation: loose", "preparation: carried", "'carried' is for one damper"),

@@ -1,8 +1,10 @@
-"""Structures that answer: a base that moves, against closed forms of one mode."""
+"""Structures: a base that moves against closed forms of one mode, several dampers against their sum."""
 
 from __future__ import annotations
 
 import math
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from verification.suite import (
     Surface,
     case,
 )  # fmt: skip
+from warpdamp import load, run
 from warpdamp.config.spectra import SPECTRA
 from warpdamp.coupled import forces, noise
 from warpdamp.coupled.identify import first_harmonic
@@ -110,4 +113,61 @@ def spectra(fine):
         realised = forces.root_mean_square(noise.samples(given, 1, 20.0 if fine else 4.0)[0])
         result.add(f"in: {name}: gRMS of the noise", closed, realised, 1e-3 * closed)
         result.add(f"in: {name}: gRMS as printed", spectrum.rms, closed, 1e-2 * spectrum.rms)
+    return result
+
+
+TWO_DAMPERS = """
+structure:
+  modes_given: [{{frequency: 40 Hz, amplitude: 2 kg^-0.5}}, {{frequency: 90 Hz, amplitude: 1.5 kg^-0.5}}]
+  particles_included: true
+damper:
+  enclosure: {{diameter: 24 mm, height: 20 mm, material: pmma}}
+  particles: {{count: 8, radius: 3.73 mm, material: pmma}}
+{further}
+materials:
+  pmma: {{density: 920 kg/m^3, youngs_modulus: 33 MPa, poissons_ratio: 0.37}}
+contact: {{restitution: 0.52, friction: 0.5}}
+excitation: {{gamma: {gamma}}}
+preparation: loose
+steady_state: {{fewest_cycles: {cycles}, most_cycles: {cycles}}}
+"""
+FURTHER = """dampers:
+  - enclosure: {{diameter: 24 mm, height: 20 mm, material: pmma}}
+    particles: {{count: 8, radius: 3.73 mm, material: pmma}}
+    amplitude: [{} kg^-0.5, {} kg^-0.5]"""
+
+
+def damping_of(folder, cycles, gamma, further=""):
+    """Damping ratios (mode, gamma) that the dampers of a structure of two modes add."""
+    file = Path(folder) / "study.yaml"
+    file.write_text(TWO_DAMPERS.format(further=further, gamma=gamma, cycles=cycles))
+    return run(load(file), executor="in-process")["damping_ratio"].transpose("mode", "gamma").values
+
+
+@case(
+    "Several dampers against their sum",
+    setup="Eight particles in a cavity on a structure of two modes at 40 and 90 Hz, Gamma 2 and 4; a second damper of the "
+    "same filling at the same place, at half the shape of mode 1, and on the node of mode 1.",
+    reference="twice the damping of one; that of one at Gamma and a quarter of that of one at Gamma / 2, (phi_2 / phi_1)^2; "
+    "that of one",
+    tolerance="1e-9: the same beds under the same drive give the same bits",
+)
+def several(fine):
+    result = Result([])
+    cycles = 40 if fine else 8
+    with TemporaryDirectory() as folder:
+        one = damping_of(folder, cycles, [2, 4])
+        half = damping_of(folder, cycles, [1, 2])
+        same = damping_of(folder, cycles, [2, 4], FURTHER.format(2, 1.5))
+        farther = damping_of(folder, cycles, [2, 4], FURTHER.format(-1, 1.5))
+        on_node = damping_of(folder, cycles, [2, 4], FURTHER.format(0, 1.5))
+    expected = {
+        "at one place": (2 * one, same),
+        "at half the shape of mode 1": (one + np.array([half[0] / 4, one[1]]), farther),
+        "on the node of mode 1": (one * [[1], [2]], on_node),
+    }
+    for name, (sums, found) in expected.items():
+        for mode, gamma in np.ndindex(sums.shape):
+            value = sums[mode, gamma]
+            result.add(f"{name}: mode {mode + 1}, Gamma {(2, 4)[gamma]}", value, found[mode, gamma], 1e-9 * value)
     return result

@@ -167,6 +167,8 @@ def _single(config: Config) -> Config:
         raise config.error("structure", "missing: there is nothing to answer the particles")
     if config.structure.particles_included:
         raise config.error("structure.particles_included", "is true, and a coupled run adds the particles itself")
+    if config.dampers:
+        raise config.error("dampers", "a coupled run takes one damper: leave them out, or predict with `warpdamp run`")
     if config.accuracy is not None:
         raise config.error("accuracy", "is for `warpdamp run`: give numerics.steps_per_contact and seeds instead")
     if config.numerics.step != "auto":

@@ -84,6 +84,11 @@ def studies(config: Config) -> tuple[list[Config], list[Modes]]:
     seen = modes_of_all(config, alone)
     found = []
     for own, modes in zip(alone, seen, strict=True):
+        if modes.on_node.all():  # not of the first: such modes are not picked
+            k = len(found) - 1
+            raise config.error(
+                f"dampers.{k}.{config.dampers[k].place}", "is on a node of every mode, where it damps none"
+            )
         frequency, gamma = zip(*((f, g) for _, _, f, g in _cases(config, modes, seen[0])), strict=True)
         excitation = own.excitation.model_copy(update={"frequency": frequency[0], "gamma": gamma[0]})
         together = {"excitation.frequency": list(frequency), "excitation.gamma": list(gamma)}
