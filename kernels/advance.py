@@ -1,4 +1,4 @@
-"""The time loop.  One case is one thread, and the thread runs many steps."""
+"""Time loop.  One case is one thread, and the thread runs many steps."""
 
 import functools
 
@@ -17,13 +17,17 @@ from .structure import structure
 OK, NOT_FINITE, ESCAPED = (wp.constant(int(status)) for status in KernelStatus)
 
 
+NEARBY = wp.constant(0.1)
+"""Pairs nearer than this part of the neighbour list's extra reach are searched every step, the others now and then."""
+
+
 @functools.cache
 def stepper(effects, count: int):
     """Return the kernels ``advance`` and ``synchronise`` for the given effects, ``count`` contacts side by side."""
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
     Case, Particle, Contacts, Mount = t.Case, t.Particle, t.Contacts, t.Mount
-    pair_forces, _ = pair_contacts(effects, count)
+    nearby_pairs, pair_forces, _ = pair_contacts(effects, count)
     wall_forces, _, contained = wall_contacts(effects, count)
     enclosure_phase, integrate, kick = motion(effects)
     book = ledger(effects, count)
@@ -38,6 +42,7 @@ def stepper(effects, count: int):
         case: Case,
         p: wp.array(dtype=Particle),
         c: Contacts,
+        nearby: int,
         mount: Mount,
         step: wp.int64,
         h: real,
@@ -45,13 +50,13 @@ def stepper(effects, count: int):
         drift: real,
         row: Row,
     ):
-        """All contact forces of a step, tallied, and the structure's answer.
+        """Contact forces of a step, added to the ledger, and the structure's answer.
 
-        The step stands for ``h`` seconds and comes ``since`` seconds after the last one; the enclosure's place
-        advances over ``drift`` seconds.  Returns minus the enclosure's acceleration and that of the structure's base
-        [m/s^2], and the row.
+        ``nearby`` is the end of the nearby pairs.  The step stands for ``h`` seconds and comes ``since`` seconds after
+        the last one; the enclosure's place advances over ``drift`` seconds.  Returns minus the enclosure's acceleration
+        and that of the structure's base [m/s^2], and the row.
         """
-        pair_losses, largest = pair_forces(case, p, c, h, since)
+        pair_losses, largest = pair_forces(case, p, c, nearby, h, since)
         reaction = vec3()
         wall_losses = Losses()
         if wp.static(effects.enclosure):
@@ -84,11 +89,11 @@ def stepper(effects, count: int):
     @wp.kernel(**UNIQUE)
     def advance(
         cases: wp.array(dtype=Case),
-        target: wp.array(dtype=wp.int64),
         p: wp.array(dtype=Particle),
         c: Contacts,
         mount: Mount,
         # in and out:
+        target: wp.array(dtype=wp.int64),
         steps: wp.array(dtype=wp.int64),
         shifts: wp.array(dtype=vec3),
         cycle_start: wp.array(dtype=vec3),
@@ -110,6 +115,9 @@ def stepper(effects, count: int):
         row = tallies[n]
         limit2 = real(0.25) * case.skin * case.skin
         travel2 = real(0.0)
+        margin = real(NEARBY) * case.skin
+        way = margin  # the longest that a particle may have gone since the nearby pairs were noted
+        nearby = wp.int32(0)
         while step < target[n] and travel2 <= limit2:
             h = case.dt
             since = case.dt
@@ -120,8 +128,12 @@ def stepper(effects, count: int):
                 if wp.static(effects.indicators):
                     begin_cycle(case, p, cycle_start)
 
-            inertial, base, row = forces(case, p, c, mount, step, h, since, case.dt, row)
-            work, travel2, mean_velocity, momentum = integrate(case, p, inertial, h, shift)
+            if real(2.01) * way > margin:  # a little more than 2, for round-off
+                nearby = nearby_pairs(case, p, c, margin)
+                way = real(0.0)
+            inertial, base, row = forces(case, p, c, nearby, mount, step, h, since, case.dt, row)
+            work, travel2, fastest2, mean_velocity, momentum = integrate(case, p, inertial, h, shift)
+            way += case.dt * wp.sqrt(fastest2)
             row = worked(case, row, work, momentum, base, h)
             shift += case.dt * mean_velocity
             step += wp.int64(1)
@@ -140,6 +152,8 @@ def stepper(effects, count: int):
         if wp.static(effects.guards and effects.enclosure):
             if status[n] == OK and not contained(case, p):
                 status[n] = ESCAPED
+        if status[n] != OK:
+            target[n] = wp.int64(0)  # it stops where it is
         steps[n] = step
         shifts[n] = shift
         tallies[n] = row
@@ -161,7 +175,8 @@ def stepper(effects, count: int):
         step = steps[n]
         if step > wp.int64(0):
             h = real(0.5) * case.dt
-            inertial, base, row = forces(case, p, c, mount, step, h, case.dt, real(0.0), row)
+            nearby = nearby_pairs(case, p, c, real(0.0))
+            inertial, base, row = forces(case, p, c, nearby, mount, step, h, case.dt, real(0.0), row)
             work, momentum = kick(case, p, inertial, h)
             row = worked(case, row, work, momentum, base, h)
         tallies[n] = stored(case, p, c, mount, row, real(0.0))

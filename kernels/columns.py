@@ -1,4 +1,4 @@
-"""What the kernels call things: the columns of a ledger row, and how a case may end.
+"""Names of the kernels: the columns of a ledger row, and the status of a case.
 
 Names only: neither Warp nor any other module is needed to know them.
 """
@@ -27,7 +27,7 @@ STORES = (
 )
 
 INDICATORS = ("floor_impulse", "lid_impulse", "displacement")
-"""What tells the regime of motion: normal impulses on floor and lid [N s], and the particles' root mean square
+"""Indicators of the regime of motion: normal impulses on floor and lid [N s], and the particles' root mean square
 displacement over the last cycle, less the common one [m].  The last is of the moment."""
 
 STRUCTURE = ("force_work", "structure_loss", "structure_energy", "frame_energy")
@@ -38,7 +38,7 @@ Where the base moves, all are in the base's frame, and the work is that of the i
 
 
 class KernelStatus(IntEnum):
-    """How a case stands on the device; its ``sentence`` says what went wrong."""
+    """Status of a case on the device; its ``sentence`` says what went wrong."""
 
     OK = 0
     NOT_FINITE = 1
@@ -46,7 +46,7 @@ class KernelStatus(IntEnum):
 
     @property
     def sentence(self) -> str:
-        """What went wrong, in words."""
+        """Description of what went wrong."""
         return {
             KernelStatus.OK: "nothing went wrong",
             KernelStatus.NOT_FINITE: "the state is not finite",

@@ -229,7 +229,7 @@ def contact_law(effects):
 
     @wp.func
     def parted(law: Law, old: History):
-        """What a contact that has ended gives up, as ``losses``."""
+        """Stored energy lost by a contact that has ended, as ``losses``."""
         tangential, rolling = remembered_energy(law, old)
         return losses(real(0.0), vec3(real(0.0), real(0.0), tangential), vec3(rolling, real(0.0), real(0.0)))
 

@@ -3,7 +3,8 @@
 The law is written once, for one contact.  ``pairs.py`` and ``cylinder.py`` go through the contacts of a step in three
 stages:
 
-1. search, without branches: note the places of the contacts that touch, or did so a step ago;
+1. search, without branches (which contacts touch is hard to foresee): note the places of those that touch, or did so
+   a step ago;
 2. compute, ``LANES`` at a time: a loop that calls the law and writes to local vectors and matrices only;
 3. add, in the order of the list: forces, histories and losses, so that the order of every sum follows from the state.
 
@@ -75,6 +76,7 @@ def promises(effects):
         contiguous(c.start)
         contiguous(c.partner)
         contiguous(c.owner)
+        contiguous(c.nearby)
         contiguous(c.touching)
         contiguous(c.touching_walls)
         if wp.static(effects.history):

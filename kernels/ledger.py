@@ -35,7 +35,7 @@ def ledger(effects, count: int):
     Column = IntEnum("Column", columns(effects), start=0)
     LOSSES = wp.constant(len(losses(effects)))
     PARTICLE_LOSSES, WALL_LOSSES = (wp.constant(int(Column[f"{place}_{losses(effects)[0]}"])) for place in PLACES)
-    _, pair_energy = pair_contacts(effects, count)
+    _, _, pair_energy = pair_contacts(effects, count)
     _, wall_energy, _ = wall_contacts(effects, count)
     g = particles(effects)
     inverse_mass_of, inverse_inertia_of = g.inverse_mass_of, g.inverse_inertia_of

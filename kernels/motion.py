@@ -57,12 +57,15 @@ def motion(effects):
             Of the inertial force over ``h``.
         travel2 : real [m^2]
             Largest square of a displacement, less ``shift``, since the list was made.
+        fastest2 : real [m^2/s^2]
+            Largest square of a speed.
         mean_velocity : vec3 [m/s]
         momentum : vec3d [kg m/s]
             Of all particles, mean of before and after.
         """
         momentum = wp.vec3d()  # twice the mean of before and after
         travel2 = real(0.0)
+        fastest2 = real(0.0)
         mean_velocity = vec3()
         body = body_force(case, inertial)
         half = real(0.5) * case.dt
@@ -91,8 +94,9 @@ def motion(effects):
             mean_velocity += after
             moved = x - p[i].listed - shift
             travel2 = at_least(wp.dot(moved, moved), travel2)
+            fastest2 = at_least(wp.dot(after, after), fastest2)
         work = wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
-        return work, travel2, mean_velocity / real(case.count), wp.float64(0.5) * momentum
+        return work, travel2, fastest2, mean_velocity / real(case.count), wp.float64(0.5) * momentum
 
     @wp.func
     def kick(case: Case, p: wp.array(dtype=Particle), inertial: vec3, h: real):

@@ -1,7 +1,8 @@
-"""Neighbour lists from Warp's hash grid: pairs i < j, sorted, with what their contacts remember carried over.
+"""Neighbour lists: pairs i < j, sorted, with what their contacts remember carried over.
 
-The grid groups particles by case, so the cases of a batch never see each other.  Lists are compressed rows: one pass
-counts, a scan places, a second pass fills; no capacity is guessed, whatever the mixture of sizes.
+Large cases are searched with Warp's hash grid, which groups particles by case, so that the cases of a batch never see
+each other; in small ones every pair is looked at, which takes less time than building the grid.  Lists are compressed
+rows: one pass counts, a scan places, a second pass fills; no capacity is guessed, whatever the mixture of sizes.
 """
 
 import functools
@@ -11,6 +12,9 @@ import warp as wp
 from .options import UNIQUE
 from .particles import particles
 from .structs import types
+
+NO_GRID = wp.constant(wp.uint64(0))
+"""Instead of a grid's number: look at every pair."""
 
 
 @functools.cache
@@ -27,12 +31,18 @@ def neighbour_search(effects):
         reach = radius_of(case, p, i) + radius_of(case, p, j) + case.skin
         return j > i and wp.dot(branch, branch) < reach * reach
 
+    @wp.func
+    def is_waiting(n: int, steps: wp.array(dtype=wp.int64), target: wp.array(dtype=wp.int64)):
+        """Whether a case is to be advanced, and needs a list."""
+        return steps[n] < target[n]
+
     @wp.kernel(**UNIQUE)
     def count_pairs(
         grid: wp.uint64,
         cases: wp.array(dtype=Case),
         group: wp.array(dtype=wp.int32),
-        waiting: wp.array(dtype=wp.int32),
+        steps: wp.array(dtype=wp.int64),
+        target: wp.array(dtype=wp.int64),
         largest_radius: real,
         p: wp.array(dtype=Particle),
         old: Contacts,
@@ -41,14 +51,20 @@ def neighbour_search(effects):
     ):
         """How many partners every particle of the waiting cases has; the other cases keep what they have."""
         i = wp.tid()
-        if waiting[group[i]] == 0:
+        if not is_waiting(group[i], steps, target):
             counts[i] = old.start[i + 1] - old.start[i]
             return
         case = cases[group[i]]
         count = wp.int32(0)
-        for j in wp.hash_grid_query(grid, p[i].position, radius_of(case, p, i) + largest_radius + case.skin, group[i]):
-            if near(case, p, i, j):
-                count += 1
+        if grid == NO_GRID:
+            for j in range(i + 1, case.first + case.count):
+                if near(case, p, i, j):
+                    count += 1
+        else:
+            reach = radius_of(case, p, i) + largest_radius + case.skin
+            for j in wp.hash_grid_query(grid, p[i].position, reach, group[i]):
+                if near(case, p, i, j):
+                    count += 1
         counts[i] = count
 
     @wp.func
@@ -67,12 +83,23 @@ def neighbour_search(effects):
                 return low
         return wp.int32(-1)
 
+    @wp.func
+    def insert(fresh: Contacts, first: int, last: int, i: int, j: int):
+        """Put the pair (i, j) into the row first .. last - 1, which is sorted and short."""
+        k = last
+        while k > first and fresh.partner[k - 1] > j:
+            fresh.partner[k] = fresh.partner[k - 1]
+            k -= 1
+        fresh.partner[k] = j
+        fresh.owner[last] = i
+
     @wp.kernel(**UNIQUE)
     def list_pairs(
         grid: wp.uint64,
         cases: wp.array(dtype=Case),
         group: wp.array(dtype=wp.int32),
-        waiting: wp.array(dtype=wp.int32),
+        steps: wp.array(dtype=wp.int64),
+        target: wp.array(dtype=wp.int64),
         largest_radius: real,
         p: wp.array(dtype=Particle),
         old: Contacts,
@@ -84,7 +111,7 @@ def neighbour_search(effects):
         i = wp.tid()
         first = fresh.start[i]
         last = first
-        if waiting[group[i]] == 0:
+        if not is_waiting(group[i], steps, target):
             for k in range(old.start[i], old.start[i + 1]):
                 fresh.owner[last] = i
                 fresh.partner[last] = old.partner[k]
@@ -93,15 +120,17 @@ def neighbour_search(effects):
                 last += 1
             return
         case = cases[group[i]]
-        for j in wp.hash_grid_query(grid, p[i].position, radius_of(case, p, i) + largest_radius + case.skin, group[i]):
-            if near(case, p, i, j):
-                k = last
-                while k > first and fresh.partner[k - 1] > j:  # insertion sort: rows are short
-                    fresh.partner[k] = fresh.partner[k - 1]
-                    k -= 1
-                fresh.partner[k] = j
-                fresh.owner[last] = i
-                last += 1
+        if grid == NO_GRID:
+            for j in range(i + 1, case.first + case.count):
+                if near(case, p, i, j):
+                    insert(fresh, first, last, i, j)
+                    last += 1
+        else:
+            reach = radius_of(case, p, i) + largest_radius + case.skin
+            for j in wp.hash_grid_query(grid, p[i].position, reach, group[i]):
+                if near(case, p, i, j):
+                    insert(fresh, first, last, i, j)
+                    last += 1
         if wp.static(effects.history):
             for k in range(first, last):
                 before = place_in(old, i, fresh.partner[k])

@@ -1,4 +1,4 @@
-"""How kernels are compiled."""
+"""Options that kernels are compiled with."""
 
 import platform
 

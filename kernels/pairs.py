@@ -14,7 +14,7 @@ from .structs import types
 
 @functools.cache
 def pair_contacts(effects, count: int):
-    """Return ``pair_forces`` and ``pair_energy`` for the given effects, ``count`` contacts side by side."""
+    """Return ``nearby_pairs``, ``pair_forces`` and ``pair_energy``, ``count`` contacts side by side."""
     t = types(effects)
     real, vec3 = t.real, t.vec3
     Losses, History = t.Losses, t.History
@@ -22,31 +22,47 @@ def pair_contacts(effects, count: int):
     contact, parted, elastic_energy, remembered_energy = contact_law(effects)
     law_of = particles(effects).pair_law
     shape = spheres(effects)
-    pair_touches, pair_touch, pair_motion = shape.pair_touches, shape.pair_touch, shape.pair_motion
+    pair_within, pair_touch, pair_motion = shape.pair_within, shape.pair_touch, shape.pair_motion
     at_least = bounds(real).at_least
     side_by_side = lanes(effects, count)
     LANES, LOSSES = side_by_side.LANES, side_by_side.LOSSES
     Scalars, Vectors, Lost = side_by_side.Scalars, side_by_side.Vectors, side_by_side.Lost
 
     @wp.func
-    def touching_pairs(case: Case, p: wp.array(dtype=Particle), c: Contacts):
-        """Note the places in the list of the pairs that touch, or did so a step ago; return the first and the end.
+    def is_near(case: Case, p: wp.array(dtype=Particle), c: Contacts, k: int, margin: real):
+        """1 if the pair at place k of the list is nearer than ``margin``, or touched a step ago; else 0: no branch."""
+        near = wp.where(pair_within(case, p, natural(c.owner[k]), natural(c.partner[k]), margin), 1, 0)
+        if wp.static(effects.history):
+            near |= wp.where(c.pair[k].radius > real(0.0), 1, 0)
+        return near
 
-        Without a branch: which of the listed pairs touch is hard to foresee.
+    @wp.func
+    def nearby_pairs(case: Case, p: wp.array(dtype=Particle), c: Contacts, margin: real):
+        """Note the places of the pairs nearer than ``margin``; return the end of the notes.
+
+        No other can touch before two particles have gone half as far each.
         """
         first = natural(c.start[case.first])
         end = c.start[case.first + case.count]
         last = first
         k = first
         while k < end:  # half the instructions of a range
-            i = natural(c.owner[k])
-            j = natural(c.partner[k])
-            near = wp.where(pair_touches(case, p, i, j, p[i].position - p[j].position), 1, 0)
-            if wp.static(effects.history):
-                near |= wp.where(c.pair[k].radius > real(0.0), 1, 0)
-            c.touching[last] = k
-            last += near
+            c.nearby[last] = k
+            last += is_near(case, p, c, k, margin)
             k += 1
+        return last
+
+    @wp.func
+    def touching_pairs(case: Case, p: wp.array(dtype=Particle), c: Contacts, end: int):
+        """Note the places of the pairs that touch, or did so a step ago; return the first and the end of the notes."""
+        first = natural(c.start[case.first])
+        last = first
+        m = first
+        while m < end:
+            k = natural(c.nearby[m])
+            c.touching[last] = k
+            last += is_near(case, p, c, k, real(0.0))
+            m += 1
         return first, last
 
     @wp.func
@@ -99,17 +115,18 @@ def pair_contacts(effects, count: int):
             c.pair[k] = history
 
     @wp.func
-    def pair_forces(case: Case, p: wp.array(dtype=Particle), c: Contacts, h: real, since: real):
+    def pair_forces(case: Case, p: wp.array(dtype=Particle), c: Contacts, end: int, h: real, since: real):
         """Add all pair forces and torques of a case; return its losses [J] and its largest overlap over R*.
 
-        The step stands for ``h`` seconds, and comes ``since`` seconds after the last one.  Sums run over the pairs that
-        touch, in the order of the list: they do not depend on how long ago it was made.
+        ``end`` is that of the nearby pairs.  The step stands for ``h`` seconds, and comes ``since`` seconds after the
+        last one.  Sums run over the pairs that touch, in the order of the list: they do not depend on how long ago it
+        was made.
         """
         losses = Losses()
         largest = real(0.0)
         forces, torques_i, torques_j, stretches, rolls = Vectors(), Vectors(), Vectors(), Vectors(), Vectors()
         radii, depths, lost = Scalars(), Scalars(), Lost()
-        first, last = touching_pairs(case, p, c)
+        first, last = touching_pairs(case, p, c, end)
         m = first
         while m < last:
             for lane in range(LANES):
@@ -163,4 +180,4 @@ def pair_contacts(effects, count: int):
                     stored[2] += wp.float64(rolling)
         return stored
 
-    return pair_forces, pair_energy
+    return nearby_pairs, pair_forces, pair_energy

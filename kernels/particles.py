@@ -1,4 +1,4 @@
-"""What single particles and pairs of them are made of: constants of the case where all are alike, arrays where not."""
+"""Properties of particles and pairs: constants of the case where all are alike, arrays otherwise."""
 
 import functools
 from types import SimpleNamespace
@@ -17,7 +17,7 @@ def particles(effects):
 
     @wp.func
     def radius_of(case: Case, p: wp.array(dtype=Particle), i: int):
-        """Radius [m]."""
+        """Radius of particle i [m]."""
         if wp.static(effects.sizes):
             return p[i].radius
         else:
@@ -25,7 +25,7 @@ def particles(effects):
 
     @wp.func
     def inverse_mass_of(case: Case, p: wp.array(dtype=Particle), i: int):
-        """One over the mass [1/kg]."""
+        """Inverse of the mass of particle i [1/kg]."""
         if wp.static(effects.alike):
             return case.inverse_mass
         else:
@@ -33,7 +33,7 @@ def particles(effects):
 
     @wp.func
     def inverse_inertia_of(case: Case, p: wp.array(dtype=Particle), i: int):
-        """One over the moment of inertia [1/(kg m^2)]."""
+        """Inverse of the moment of inertia of particle i [1/(kg m^2)]."""
         if wp.static(effects.alike):
             return case.inverse_inertia
         else:
@@ -41,7 +41,7 @@ def particles(effects):
 
     @wp.func
     def reduced_radius(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
-        """R* of a pair [m]."""
+        """Reduced radius R* of a pair [m]."""
         if wp.static(effects.sizes):
             return p[i].radius * p[j].radius / (p[i].radius + p[j].radius)
         else:
@@ -49,7 +49,7 @@ def particles(effects):
 
     @wp.func
     def curvature(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
-        """1 / R* of a pair [1/m]."""
+        """Curvature 1 / R* of a pair [1/m]."""
         if wp.static(effects.sizes):
             return (p[i].radius + p[j].radius) / (p[i].radius * p[j].radius)
         else:
@@ -57,7 +57,7 @@ def particles(effects):
 
     @wp.func
     def wall_curvature(case: Case, p: wp.array(dtype=Particle), i: int):
-        """1 / R* of a particle and a wall [1/m]."""
+        """Curvature 1 / R* of a particle and a wall [1/m]."""
         if wp.static(effects.sizes):
             return real(1.0) / p[i].radius
         else:
@@ -65,7 +65,7 @@ def particles(effects):
 
     @wp.func
     def reduced_mass(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
-        """m* of a pair [kg]."""
+        """Reduced mass m* of a pair [kg]."""
         if wp.static(effects.alike):
             return real(0.5) / case.inverse_mass
         else:
@@ -81,7 +81,7 @@ def particles(effects):
 
     @wp.func
     def pair_law(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, j: int):
-        """Law of a pair."""
+        """Contact law of a pair."""
         if wp.static(effects.materials):
             return c.laws[case.first_law + case.species * p[i].species + p[j].species]
         else:

@@ -27,14 +27,15 @@ def spheres(effects):
     curvature, wall_curvature = properties.curvature, properties.wall_curvature
 
     @wp.func
-    def pair_touches(case: Case, p: wp.array(dtype=Particle), i: int, j: int, branch: vec3):
-        """Whether two particles overlap; ``branch`` is the vector from j's centre to i's."""
-        reach = radius_of(case, p, i) + radius_of(case, p, j)
+    def pair_within(case: Case, p: wp.array(dtype=Particle), i: int, j: int, margin: real):
+        """Whether the surfaces of two particles are nearer than ``margin``; with none: whether they overlap."""
+        branch = p[i].position - p[j].position
+        reach = radius_of(case, p, i) + radius_of(case, p, j) + margin
         return wp.dot(branch, branch) < reach * reach
 
     @wp.func
     def pair_touch(case: Case, p: wp.array(dtype=Particle), i: int, j: int, branch: vec3):
-        """Where two particles meet.
+        """Where two particles meet; ``branch`` is the vector from j's centre to i's.
 
         The lever arms share the distance of the centres in the ratio of the radii, so that angular momentum is kept to
         round-off.
@@ -133,7 +134,7 @@ def spheres(effects):
         return motion
 
     return SimpleNamespace(
-        pair_touches=pair_touches,
+        pair_within=pair_within,
         pair_touch=pair_touch,
         pair_motion=pair_motion,
         wall_touches=wall_touches,

@@ -1,4 +1,4 @@
-"""The nouns of the device: what a case is, what a particle carries, what a contact remembers.
+"""Structs of the device: what a case is, what a particle carries, what a contact remembers.
 
 A field that no effect of the scene needs does not exist: structs are made for the effects, as kernels are.
 """
@@ -17,11 +17,11 @@ WALLS = wp.constant(3)
 PER_PARTICLE = {"start": 1, "touching_walls": WALLS, "wall": WALLS}
 """Arrays of ``Contacts`` with so many elements for each particle."""
 
-PER_PAIR = ("owner", "partner", "touching", "pair")
+PER_PAIR = ("owner", "partner", "nearby", "touching", "pair")
 """Those with one for each pair of the neighbour list."""
 
-SCRATCH = ("touching", "touching_walls")
-"""Those that mean nothing after a step."""
+SCRATCH = ("nearby", "touching", "touching_walls")
+"""Those that mean nothing outside a launch."""
 
 
 @functools.cache
@@ -58,7 +58,7 @@ def structs(effects):
 
     @wp.struct
     class Case:
-        """What stays constant while a case runs."""
+        """Constants of a case."""
 
         first: wp.int32  # its particles are first .. first + count - 1
         count: wp.int32
@@ -103,7 +103,7 @@ def structs(effects):
 
     @wp.struct
     class Particle:
-        """What a particle carries, side by side in memory: a contact touches few cache lines."""
+        """State of a particle, side by side in memory: a contact touches few cache lines."""
 
         position: vec3  # at n
         half_velocity: vec3  # at n - 1/2
@@ -127,7 +127,7 @@ def structs(effects):
 
     @wp.struct
     class History:
-        """What a contact remembers of the last step."""
+        """History of a contact: its values at the last step."""
 
         radius: real  # contact radius a [m]; 0: there was no contact
         if effects.friction:
@@ -142,6 +142,7 @@ def structs(effects):
         start: wp.array(dtype=wp.int32)  # pairs of i: start[i] .. start[i + 1] - 1
         owner: wp.array(dtype=wp.int32)  # i of every pair
         partner: wp.array(dtype=wp.int32)  # and j
+        nearby: wp.array(dtype=wp.int32)  # places of the pairs that may touch within the next steps
         touching: wp.array(dtype=wp.int32)  # places of the pairs that touch, noted anew every step
         touching_walls: wp.array(dtype=wp.int32)  # and of the walls
         if effects.history:
@@ -153,7 +154,7 @@ def structs(effects):
 
     @wp.struct
     class Mode:
-        """A mode of the structure, mass-normalised."""
+        """Mode of the host structure, mass-normalised."""
 
         stiffness: real  # w^2 [1/s^2]
         damping: real  # zeta w [1/s]
@@ -164,7 +165,7 @@ def structs(effects):
 
     @wp.struct
     class Mount:
-        """What the enclosure is fixed to: the modes of all cases, what moves them, and records of what happened."""
+        """Host structures of all cases: their modes, what moves them, and records."""
 
         count: wp.int32  # of modes of all cases together
         if effects.structure:
@@ -174,7 +175,7 @@ def structs(effects):
 
     @wp.struct
     class Touch:
-        """Where i meets its partner, a particle or a wall: all that the contact law asks of the shapes."""
+        """Geometry of a contact of i with a particle or a wall: what the contact law needs of the shapes."""
 
         overlap: real  # [m]; not positive: they are apart
         normal: vec3  # from the partner to i
@@ -187,7 +188,7 @@ def structs(effects):
 
     @wp.struct
     class Motion:
-        """Of i's surface relative to its partner's; what no effect needs stays zero and costs nothing."""
+        """Motion of i's surface relative to its partner's; what no effect needs stays zero and costs nothing."""
 
         velocity: vec3  # predicted for this step [m/s]
         slid: vec3  # how far since the last step [m]

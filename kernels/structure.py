@@ -1,4 +1,4 @@
-"""The structure that the enclosure is fixed to: modal oscillators that advance together with the particles.
+"""Host structure of the enclosure: modal oscillators that advance together with the particles.
 
 Each mode r, mass-normalised, with phi its amplitude at the damper in the direction of the drive,
 

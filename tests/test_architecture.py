@@ -18,7 +18,7 @@ HEAVY = {"warp", "xarray", "scipy", "skfem", "matplotlib", "pint", "netCDF4", "r
 
 LEVELS = (
     {"version", "errors", "status", "scene", "kernels"},
-    {"files", "variables", "numerics"},
+    {"files", "text_file", "text_table", "variables", "numerics"},
     {"config", "engine", "analysis"},
     {"damper", "modal"},
     {"sweep", "report"},

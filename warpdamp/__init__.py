@@ -1,9 +1,7 @@
-"""warpdamp: how much vibration a granular damper takes out of a structure.
+"""Damping of a vibrating structure by a granular damper: discrete elements, closed energy ledger, modal damping.
 
->>> import warpdamp
->>> dataset = warpdamp.run("configs/beam.yaml")
-
-The researcher's door is ``Simulation`` with ``Scene`` and ``State``.
+``run`` takes a configuration to a Dataset, as ``warpdamp.run("configs/beam.yaml")``; ``Simulation`` with ``Scene`` and
+``State`` advances one scene step by step.
 """
 
 from __future__ import annotations

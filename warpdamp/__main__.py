@@ -1,6 +1,6 @@
 """``python -m warpdamp``."""
 
-from .cli.app import app
+from .cli.app import main
 
 if __name__ == "__main__":
-    app(prog_name="warpdamp")
+    main()

@@ -21,33 +21,76 @@ if TYPE_CHECKING:
 
 @xr.register_dataset_accessor("damper")
 class Damper:
-    """What a Dataset of warpdamp says.
+    """Analyses of a results Dataset, as its attribute ``damper``.
 
     Parameters
     ----------
     dataset : xarray.Dataset
+        Results.
     """
 
     def __init__(self, dataset: xr.Dataset):
         self._dataset = dataset
 
     def optimum(self, of: str = "effectiveness") -> xr.Dataset:
-        """Gamma of fluidisation and of two-sided collision; see ``warpdamp.analysis.optimum.optimum``."""
+        """Gamma of fluidisation and of two-sided collision [-]; see ``warpdamp.analysis.optimum.optimum``.
+
+        Parameters
+        ----------
+        of : str
+            Variable with a ``_standard_error``.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``gamma_fluidisation``, ``gamma_collision``, the heights there and standard errors.
+
+        Raises
+        ------
+        ValueError
+            If Gamma is not a dimension.
+        """
         return optimum(self._dataset, of)
 
     def regime(self) -> xr.DataArray:
-        """Regime of motion of every case; see ``warpdamp.analysis.regimes.regime``."""
+        """Regime of motion of every case; see ``warpdamp.analysis.regimes.regime``.
+
+        Returns
+        -------
+        xarray.DataArray
+            Numbers of ``warpdamp.analysis.regimes.Regime``.
+
+        Raises
+        ------
+        ValueError
+            If the results lack an indicator: ``effects.indicators`` was off.
+        """
         return regime(self._dataset)
 
     def damping(self, modes: Modes) -> xr.Dataset:
-        """Damping ratio of any structure's modes with this damper, (2 / pi) eps m phi^2 (eqs 4-11), mean over seeds.
+        """Damping ratio of any structure's modes with this damper, (2 / pi) eps m phi^2 [-], mean over seeds.
 
         Effectiveness is taken linearly between the frequencies that were run.
+
+        Parameters
+        ----------
+        modes : Modes
+            Modes as the damper sees them, with the particles as a rigid mass.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``damping_ratio`` and ``damping_ratio_standard_error`` on (mode, gamma, swept scalars).
 
         Raises
         ------
         ValueError
             If a mode's frequency lies outside those that were run, or there is no frequency dimension.
+
+        References
+        ----------
+        Terzioglu & Rongong, Selection of granular damper parameters to achieve optimum vibration attenuation on
+        vibrating structures, eqs 4-11.
         """
         from .modal.damping import damping_of_effectiveness
 
@@ -78,31 +121,73 @@ class Damper:
         return zeta.drop_vars("frequency", errors="ignore")
 
     def plot(self) -> Figure:
-        """The picture that the dimensions ask for; see ``warpdamp.report.curves.draw``."""
+        """Figure that suits the dimensions: curves over Gamma, maps, or scattered cases; see ``report.curves.draw``.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ValueError
+            If no case is finished.
+        """
         from .report.curves import draw
 
         return draw(self._dataset)
 
     def regime_map(self) -> Figure:
-        """Regimes over frequency and Gamma; see ``warpdamp.report.maps.regime_map``."""
+        """Map of the regimes over frequency and Gamma; see ``warpdamp.report.maps.regime_map``.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ValueError
+            If the results lack an indicator: ``effects.indicators`` was off.
+        """
         from .report.maps import regime_map
 
         return regime_map(self._dataset)
 
 
 def open_results(path: str | Path) -> xr.Dataset:
-    """Open a results file; its Dataset has ``.damper``.
+    """Open a results file; its Dataset has the analyses ``.damper``.
+
+    Parameters
+    ----------
+    path : str or Path
+        netCDF file that ``warpdamp run`` or ``warpdamp collect`` wrote.
+
+    Returns
+    -------
+    xarray.Dataset
+        Read from the file when needed; see ``warpdamp.variables.VARIABLES`` for its variables.
 
     Raises
     ------
-    OSError
-        If it is not there, or is no results file.
+    UsageError
+        If the file is not a results file.
+    FileNotFoundError
+        If there is no such file.
+
+    Examples
+    --------
+    >>> from warpdamp import open_results
+    >>> results = open_results("docs/beam.nc")
+    >>> dict(results.sizes)
+    {'frequency': 3, 'gamma': 21, 'seed': 3, 'mode': 3}
+    >>> first = results["damping_ratio"].sel(mode=1)
+    >>> float(first.idxmax("gamma"))  # Gamma of the most damping
+    5.0
     """
     try:
         dataset = xr.open_dataset(path)
     except ValueError:
-        raise UsageError(f"{path}: is no netCDF file") from None
+        raise UsageError(f"{path}: is not a netCDF file") from None
     if "status" not in dataset:
         dataset.close()
-        raise UsageError(f"{path}: is no results file of warpdamp (it has no status)")
+        raise UsageError(f"{path}: is not a results file of warpdamp (it has no status)")
     return dataset

@@ -1,26 +1,26 @@
-"""What can go wrong, by name: all derive from ``WarpdampError``."""
+"""Exceptions by name; all derive from ``WarpdampError``."""
 
 from __future__ import annotations
 
 
 class WarpdampError(Exception):
-    """What a user can put right: says in one line what is wrong, where, and what to do."""
+    """Error that a user can correct: one line says what is wrong, where, and what to do."""
 
 
 class UsageError(WarpdampError, ValueError):
-    """A call, an option or a file that cannot be used as it was given."""
+    """Call, option or file that cannot be used as it was given."""
 
 
 class ConfigError(WarpdampError, ValueError):
-    """What is wrong with a configuration: one line an error, each with its place."""
+    """Errors of a configuration: one line each, with its place in the file."""
 
 
 class SimulationError(WarpdampError, ArithmeticError):
-    """A run that went wrong: what, where, and what to change."""
+    """Run that failed: what happened, where, and what to change."""
 
 
 class PackingError(WarpdampError, ValueError):
-    """The particles do not fit, or do not come to rest; ``key`` names the configuration's key to look at."""
+    """Particles that do not fit, or do not come to rest; ``key`` names the configuration's key to look at."""
 
     def __init__(self, message: str, key: str = "damper.particles.count"):
         super().__init__(message, key)
@@ -31,16 +31,16 @@ class PackingError(WarpdampError, ValueError):
 
 
 class StoreError(WarpdampError):
-    """A folder of results or of a cache that cannot be used: why, and what to do."""
+    """Folder of results or of a cache that cannot be used: why, and what to do."""
 
 
 class ExecutorError(WarpdampError):
-    """Workers that are not there, or do not come back."""
+    """Workers that cannot be reached, or do not return."""
 
 
 class ModalError(WarpdampError, ValueError):
-    """What cannot be had from these results, modes or FRFs: why, and what to do."""
+    """Results, modes or FRFs that do not provide what was asked of them: why, and what to do."""
 
 
 class MissingLibrary(WarpdampError, ImportError):
-    """A library of an extra is not installed; says how to install it."""
+    """Library of an extra that is not installed; says how to install it."""

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, locks that end with their holder, and the folder of caches."""
+"""Files written whole or not at all, locks that end with their holder, and the folder of caches."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import platformdirs
-from filelock import ReadWriteLock, Timeout
 
 from .errors import StoreError
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """A path to write to, which replaces ``path`` once that has gone well: readers find the old file or the new one."""
+    """Temporary path that replaces ``path`` once writing has succeeded: readers find the old file or the new one."""
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=".writing-") as folder:
         part = Path(folder) / path.name
         yield part
@@ -45,7 +44,7 @@ def keep(path: Path, content: bytes) -> None:
     except OSError as error:
         part.unlink(missing_ok=True)
         raise StoreError(
-            f"{path.parent} cannot be written: {error.strerror}; what is finished is kept: make room and run again"
+            f"{path.parent} cannot be written: {error.strerror}; finished cases are stored: free space and run again"
         ) from None
 
 
@@ -61,7 +60,7 @@ def _flush_folder(folder: Path) -> None:
 
 @contextmanager
 def locked(path: Path, *, shared: bool = False, wait: bool = False) -> Iterator[bool]:
-    """Whether a lock on a file could be had; it is held meanwhile, and the system releases it when the process ends.
+    """Lock on a file, held in this context; yields whether it was obtained.  The system frees it with the process.
 
     Parameters
     ----------
@@ -72,6 +71,8 @@ def locked(path: Path, *, shared: bool = False, wait: bool = False) -> Iterator[
     wait : bool
         For others to release it.
     """
+    from filelock import ReadWriteLock, Timeout  # imports asyncio: half the time that reading a configuration takes
+
     lock = ReadWriteLock(path, is_singleton=False)
     try:
         (lock.acquire_read if shared else lock.acquire_write)(blocking=wait)
@@ -86,7 +87,7 @@ def locked(path: Path, *, shared: bool = False, wait: bool = False) -> Iterator[
 
 
 def cache_folder(kind: str) -> Path:
-    """Where what can be made again is kept: in ``$WARPDAMP_CACHE``, or in the user's cache folder.
+    """Folder of files that can be made again: in ``$WARPDAMP_CACHE``, or in the user's cache folder.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How a case ended."""
+"""Status of a case: how it ended, and the remedy."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Status(IntEnum):
-    """How a case ended; the value is what the Dataset's ``status`` holds."""
+    """Status of a case; the value is what the Dataset's ``status`` holds."""
 
     NOT_RUN = -1
     STEADY = 0
@@ -24,7 +24,7 @@ class Status(IntEnum):
 
     @property
     def meaning(self) -> str:
-        """In words, with the remedy."""
+        """Sentence that explains the status, with the remedy."""
         return _MEANINGS[self]
 
 
@@ -39,9 +39,9 @@ _MEANINGS = {
     Status.NOT_FINITE: "the state was no longer finite: raise numerics.steps_per_contact",
     Status.ESCAPED: "a particle left the cavity: raise numerics.steps_per_contact, or lower the amplitude",
     Status.FAILED: "could not be run; see message; a further run tries again",
-    Status.DIED: "its process died each time, perhaps for want of memory; a further run tries again",
+    Status.DIED: "its process died each time, perhaps out of memory; a further run tries again",
     Status.OVERDUE: "its process was stopped at the limit of time; a further run tries again",
-    Status.REFUSED: "a combination that cannot be; see message",
+    Status.REFUSED: "an impossible combination; see message",
     Status.EXCLUDED: "left out by sweep.exclude",
     Status.NOT_RUN: "not run yet",
 }

@@ -1,4 +1,4 @@
-"""Every variable of the results, with its units and what it means."""
+"""Variables of the results, with their units and meanings."""
 
 from __future__ import annotations
 
@@ -43,7 +43,11 @@ VARIABLES = {
     "apparent_mass": ("kg", "mass that the structure feels, Re(F1) / (w^2 X)"),
     "normalised_damping": ("1", "energy per cycle over 0.5 m_total (Gamma g / w)^2 (eq. 19, square on the speed only)"),
     "clearance": ("m", "travel of the bed's centre of mass between rest on the floor and rest against the lid"),
-    "compaction_blocks": ("1", "blocks of shaking that compacted the bed (60: stopped there, still compacting)"),
+    "clearance_after": ("m", "clearance after the case, measured in the same way"),
+    "packing_fraction": ("1", "volume of the particles over that of the cavity less the clearance"),
+    "packing_fraction_after": ("1", "packing fraction after the case"),
+    "compaction_blocks": ("1", "blocks of shaking that compacted the bed"),
+    "compaction_settled": ("1", "whether the rule that ends the bed's preparation was met (1) or its most blocks (0)"),
     "largest_overlap": ("1", "largest overlap over the reduced radius since the start"),
     "excitation_frequency": ("Hz", "frequency of the excitation"),
     "displacement": ("m", "displacement amplitude X of the enclosure"),
@@ -52,14 +56,14 @@ VARIABLES = {
     "steps": ("1", "steps run"),
     "cpu_time": ("s", "processor time"),
     "status": ("1", "how the case ended"),
-    "message": ("1", "why the case could not be run"),
+    "message": ("1", "why the case could not be run; empty where it ran"),
     "particle_mass": ("kg", "mass of all particles"),
     "damping_ratio": ("1", "modal damping ratio (eqs 6-11), mean over seeds"),
     "damping_ratio_standard_error": ("1", "standard error of the modal damping ratio"),
     "natural_frequency": ("Hz", "natural frequency with the particles' mass"),
     "mode_amplitude": ("kg-0.5", "mass-normalised mode shape at the damper"),
     "modal_mass": ("kg", "1 / phi^2 at the damper"),
-    # corrected for the mass that the structure feels (modal/apparent.py)
+    # corrected for the mass that the structure feels (modal/apparent_mass.py)
     "apparent_mass_standard_error": ("kg", "standard error of the apparent mass"),
     "quadrature_mass": ("kg", "mass in quadrature m'' = W / (pi w^2 X^2): the complex mass is m' - j m''"),
     "quadrature_mass_standard_error": ("kg", "standard error of the mass in quadrature"),
@@ -84,13 +88,17 @@ VARIABLES = {
     "fitted_damping_ratio": ("1", "damping ratio fitted to the FRF"),
     "fitted_damping_ratio_standard_error": ("1", "standard error of the fitted damping ratio"),
     "fitted_modal_constant": ("kg-1", "size of the modal constant fitted to the FRF"),
+    "fitted_quality": ("1", "coefficient of determination of the fitted FRF in its band"),
+    "band_start": ("Hz", "lowest frequency of the band that was fitted"),
+    "band_end": ("Hz", "highest frequency of the band that was fitted"),
+    "band_lines": ("1", "lines of the FRF in the band that was fitted"),
     "within_range": ("1", "whether Gamma lies in the range of the damper's results"),
     "inherent_damping": ("1", "damping ratio without the damper"),
     # several dampers on one structure (study/several.py)
     "damper_gamma": ("1", "acceleration amplitude over g at the damper's own place"),
     "damper_amplitude": ("kg-0.5", "mass-normalised mode shape at each damper, positive"),
     "damper_share": ("1", "what a damper adds to the modal damping ratio"),
-    # coupled runs (coupled_runs.py)
+    # coupled runs (coupled/results.py)
     "structure_displacement": ("m", "displacement of the enclosure along the excitation, relative to its base"),
     "structure_acceleration": ("m s-2", "acceleration of the enclosure along the excitation, a base's included"),
     "reaction": ("N", "force of the particles on the enclosure along the excitation"),
@@ -119,7 +127,10 @@ NOT_RUN = -1
 """Stands in integer variables for a case that was not run."""
 
 
-INTEGERS = ("packings", "within_tolerance", "compaction_blocks", "cycles", "cycles_discarded", "steps", "status")
+INTEGERS = (
+    *("packings", "within_tolerance", "compaction_blocks", "compaction_settled"),
+    *("cycles", "cycles_discarded", "steps", "status"),
+)
 
 
 def describe(dataset: xr.Dataset) -> xr.Dataset:

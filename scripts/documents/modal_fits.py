@@ -6,7 +6,8 @@ python scripts/documents/modal_fits.py
 import numpy as np
 from shared import DOCS, head, panels, table, write_document
 
-from warpdamp.modal.fit import Fit, circle_fit, dobson, half_power_band, least_squares, line_fit
+from warpdamp.modal.fit import Fit, circle_fit, dobson, half_power_band, line_fit
+from warpdamp.modal.fit_together import least_squares
 
 OWN = np.array([39.5, 280.0, 731.0])
 ZETA = np.array([0.03, 0.008, 0.004])

@@ -125,13 +125,13 @@ def _cpu() -> float:
 def planning(folder: Path, amplitudes: int = 2000) -> float:
     """Seconds that one case takes to be planned: its scene, step, identity."""
     from warpdamp.sweep.cases import Cases
-    from warpdamp.sweep.plan import plan
+    from warpdamp.sweep.plan import make_plan
 
     config = folder / "planned.yaml"
     config.write_text(STUDY.format(amplitudes=amplitudes, cycles=20))
     cases = Cases(warpdamp.load(config))
     started = time.perf_counter()
-    plan(cases)
+    make_plan(cases)
     return (time.perf_counter() - started) / len(cases)
 
 

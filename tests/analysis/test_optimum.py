@@ -155,5 +155,5 @@ def test_damping_of_any_structure(mapped):
 
 def test_files_that_are_no_results(tmp_path):
     xr.Dataset({"a": 1}).to_netcdf(tmp_path / "other.nc")
-    with pytest.raises(UsageError, match="is no results file of warpdamp"):
+    with pytest.raises(UsageError, match="is not a results file of warpdamp"):
         open_results(tmp_path / "other.nc")

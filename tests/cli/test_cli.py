@@ -39,6 +39,7 @@ def test_the_papers_study_runs_shortened(quick):
         xr.testing.assert_allclose(dataset["damping_ratio"], expected.transpose("mode", "gamma"), rtol=1e-5)
         assert dataset["preparation"].item() == "loose"
         assert "normalised_damping" in dataset
+        assert (dataset["message"] == "").all()  # there in every file
 
 
 def test_it_says_what_came_out(quick):
@@ -79,6 +80,15 @@ def test_known_modes_are_shown_as_the_particles_make_them():
     done = warpdamp("modes", ROOT / "configs" / "modes_given.yaml")
     assert done.stdout.count("of particles") == 1
     assert "39.40" in done.stdout
+
+
+@pytest.mark.parametrize("arguments", [("explain",), ("modes",), ("--help",)])
+def test_a_reader_that_leaves_early_is_no_error(config_path, arguments):
+    """As behind `| head`: the pipe is closed before anything is written."""
+    command = [sys.executable, "-m", "warpdamp", *arguments, *([config_path] if arguments[0][0] != "-" else [])]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        process.stdout.close()
+        assert process.stderr.read() == ""
 
 
 def test_schema():

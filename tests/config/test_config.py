@@ -6,7 +6,7 @@ import re
 import pytest
 
 from warpdamp import ConfigError, load
-from warpdamp.config.quantities import to_si
+from warpdamp.config.quantities import COMMON, _converted, to_si
 from warpdamp.config.study import Config
 from warpdamp.sweep.cases import Cases
 from warpdamp.sweep.reader import read_axes
@@ -105,6 +105,52 @@ def test_quantities(text, unit, value):
     assert to_si(text, unit) == pytest.approx(value, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [("7 800 kg/m^3", "kg/m^3", 7800.0), ("7\u00a0800 kg/m^3", "kg/m^3", 7800.0), ("7\u2009800 kg/m³", "kg/m^3", 7800.0),
+     ("7'800 kg/m^3", "kg/m^3", 7800.0), ("7\u2019800.5 kg/m^3", "kg/m^3", 7800.5), ("1 234 567 Pa", "Pa", 1234567.0),
+     ("3 300 MPa", "Pa", 3.3e9), ("1 1/4 in", "m", 0.03175), ("1/4 in", "m", 0.00635), ("-1 1/4 in", "m", -0.03175), ("40 1/s", "Hz", 40.0)],
+)  # fmt: skip
+def test_digits_apart_are_one_number(text, unit, value):
+    """Thousands apart by a blank of any kind or an apostrophe, and fractions of the inch; 25.4 mm to the inch."""
+    assert to_si(text, unit) == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "message"),
+    [("7 80 mm", "m", "one number and its unit"), ("5 10 mm", "m", "one number and its unit"), ("1.234.567 mm", "m", "one number and its unit"),
+     ("5 mm + mm", "m", "one number and its unit"), ("3*10^2 Hz", "Hz", "one number and its unit"), ("5 m^99", "m", "one number and its unit"),
+     ("7'80 mm", "m", "one number and its unit"), ("1 5/4 in", "m", "no proper fraction"), ("1/0 in", "m", "no proper fraction"),
+     ("46 hz", "Hz", r"did you mean Hz\?"), ("3.3 gpa", "Pa", r"did you mean GPa\?"), ("40 MM", "m", r"did you mean mm\?"),
+     ("0,52", "", "write a decimal point"), (10**400, "m", "not finite"), ("9" * 5000, "m", "not finite")],
+)  # fmt: skip
+def test_digits_that_are_no_one_number(text, unit, message):
+    with pytest.raises(ValueError, match=message):
+        to_si(text, unit)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "message"),
+    [
+        ("restitution: 0.52\n", "restitution: 0,52\n", "contact.restitution", "cannot read '0,52': write a decimal point"),
+        ("\ncontact:", "\ncontact: {restitution: 0,52, friction: 0.86}\nold:", "contact.restitution", "'0' and then '52'.*decimal point"),
+        ("\ncontact:", "\ncontact: {restitution: 0,52, friction: 0,52}\nold:", "", 'duplicate key "52".*decimal point'),
+        ("  particles:", "  particles: {count: 120, radius: 3,73 mm, material: pmma}\n  old:", "damper.particles.radius", "'3' and then '73 mm'.*decimal point"),
+        ("  frequency: modes", "  frequency: [40,5 Hz, 60,7 Hz]", "", r"\[40,5 Hz, 60,7 Hz\] has decimal commas.*decimal points"),
+    ],
+)  # fmt: skip
+def test_a_decimal_comma_is_said_with_its_remedy(tmp_path, config_path, old, new, place, message):
+    """YAML splits a number at its comma within braces and brackets: 0,52 becomes the keys 0 and 52."""
+    text = config_path.read_text()
+    assert old in text
+    path = tmp_path / "study.yaml"
+    path.write_text(text.replace(old, new))
+    with pytest.raises(ConfigError) as caught:
+        load(path)
+    (said,) = [line for line in str(caught.value).splitlines() if "decimal point" in line]
+    assert re.search(rf"study.yaml:\d+:\d+: {place}.*{message}", said), said
+
+
 @pytest.mark.parametrize("value", [True, None, [1], {"a": 1}, "inf m", "import os", "mm", ""])
 def test_what_is_no_quantity(value):
     with pytest.raises(ValueError, match="expected a quantity in m"):
@@ -143,3 +189,9 @@ def test_the_schema_serves_editors():
     json.dumps(schema)
     assert set(schema["properties"]) >= {"structure", "damper", "materials", "contact", "excitation", "seeds"}
     assert schema["additionalProperties"] is False
+
+
+@pytest.mark.parametrize(("unit", "given"), [(unit, name) for unit, names in COMMON.items() for name in names])
+def test_common_units_are_those_of_pint_to_the_bit(unit, given):
+    for number in (3.73, 40.0, 1 / 3, 6.02e23, 9.1e-31):
+        assert to_si(f"{number!r} {given}", unit) == _converted(number, given, unit)

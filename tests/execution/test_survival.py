@@ -115,10 +115,10 @@ def test_stopped_by_hand_it_says_how_to_go_on(tiny, tmp_path):
     _, said = process.communicate(timeout=30)
     assert process.returncode == 130
     assert "Traceback" not in said
-    assert "the same command goes on from there" in said
+    assert "the same command continues from there" in said
     lines = "\n".join(status(tmp_path))
     assert "cases done" in lines
-    assert "nothing at work; the last run stopped: KeyboardInterrupt; run again to go on" in lines
+    assert "no run in progress; the last run stopped: KeyboardInterrupt; run again to continue" in lines
 
 
 @pytest.mark.parametrize("how", ["processes", "dask"])
@@ -190,7 +190,7 @@ def test_a_full_disk_is_said_and_nothing_is_lost(tiny, undisturbed, tmp_path, sa
     _, said = process.communicate(timeout=60)
     assert process.returncode == 2
     assert "Traceback" not in said
-    assert "cannot be written: File too large; what is finished is kept: make room and run again" in said
+    assert "cannot be written: File too large; finished cases are stored: free space and run again" in said
     assert shards(store) == before
     assert not list(store.glob("*/.*.tmp"))
     same(warpdamp.run(tiny, store=store, executor="in-process"), undisturbed)
@@ -198,10 +198,10 @@ def test_a_full_disk_is_said_and_nothing_is_lost(tiny, undisturbed, tmp_path, sa
 
 def test_two_runs_in_one_folder(tiny, tmp_path):
     store = Store(tmp_path)
-    with store.lock(None), pytest.raises(StoreError, match=r"another run is at work on .*--part 1/2"):
+    with store.lock(None), pytest.raises(StoreError, match=r"another run is in progress on .*--part 1/2"):
         carry_out(tiny, tmp_path, executor="in-process")
     with store.lock((1, 2)):
-        with pytest.raises(StoreError, match="another run is at work on part 1/2"), Store(tmp_path).lock((1, 2)):
+        with pytest.raises(StoreError, match="another run is in progress on part 1/2"), Store(tmp_path).lock((1, 2)):
             pass
         with pytest.raises(StoreError, match="another run"), Store(tmp_path).lock(None):
             pass
@@ -347,7 +347,7 @@ def test_an_executor_of_ones_own_that_breaks(dispatched):
     """Nothing can be done about it, and that is said instead of trying for ever."""
     with (
         ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as own,
-        pytest.raises(ExecutorError, match=r"a worker died, and an executor of one.s own is not repaired"),
+        pytest.raises(ExecutorError, match=r"a worker died, and an executor that was passed in cannot be repaired"),
     ):
         dispatched([["die"]], WorkerPool(own, 1))
 
@@ -371,7 +371,7 @@ def test_who_is_not_there(tiny, kind, error, message, monkeypatch):
 
 
 def test_a_folder_that_holds_no_sweep(tmp_path):
-    with pytest.raises(StoreError, match="is no folder of a sweep"):
+    with pytest.raises(StoreError, match="is not a folder of a sweep"):
         collect(tmp_path)
     Store(tmp_path)
     with pytest.raises(StoreError, match="holds no study"):

@@ -105,7 +105,7 @@ def test_what_is_off_has_no_array():
         Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False, indicators=False)
     )
     assert list(plain.Particle.vars) == ["position", "half_velocity", "force", "listed"]
-    assert list(plain.Contacts.vars) == ["start", "owner", "partner", "touching", "touching_walls"]
+    assert list(plain.Contacts.vars) == ["start", "owner", "partner", "nearby", "touching", "touching_walls"]
     assert list(plain.Law.vars) == ["modulus"]
     assert "gravity" not in plain.Case.vars
     assert len(plain.Losses()) == 1

@@ -5,8 +5,10 @@ import pytest
 import xarray as xr
 
 from warpdamp.errors import ModalError
-from warpdamp.modal.fit import circle_fit, dobson, half_power_band, least_squares, line_fit
-from warpdamp.modal.identify import fits, read_frf
+from warpdamp.modal.fit import circle_fit, dobson, half_power_band, line_fit
+from warpdamp.modal.fit_together import least_squares
+from warpdamp.modal.frf_file import read_frf
+from warpdamp.modal.identify import fits
 
 OWN = np.array([39.5, 280.0, 731.0])  # the paper's beam: f [Hz], zeta, modal constants phi^2
 ZETA = np.array([0.03, 0.008, 0.004])

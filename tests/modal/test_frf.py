@@ -281,7 +281,7 @@ def test_the_command_line(tmp_path):
         ("frf", beam, "--constant-force", "5 N", "--band", "30", "50"): "take a force between",
         ("frf", beam, "--constant-force", "5 m"): "has the wrong unit",
         ("frf", beam, "--at", "friction=1"): "no swept scalar 'friction'",
-        ("frf", tmp_path / "frf.nc"): "is no results file",
+        ("frf", tmp_path / "frf.nc"): "is not a results file",
         ("fit", tmp_path / "none.csv"): "no such file",
     }.items():
         done = warpdamp(*arguments)

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from warpdamp.errors import ModalError
 from warpdamp.modal.mode_csv import read_csv, write_csv
 from warpdamp.modal.mode_uff import read_uff, write_uff
 from warpdamp.modal.modes import Modes
 
 pyuff = pytest.importorskip("pyuff")
+HEAD = "mode,frequency_Hz,modal_mass_kg,x_m,y_m,z_m,u_z\n"
 SIX_DIGITS = 1e-5  # of the format's E13.5 fields
 
 
@@ -126,12 +128,12 @@ def altered(sets, **change):
         (lambda sets: sets[1:], r"does not say its units \(dataset 164\): give units, one of SI, BG"),
         (lambda sets: [units(1, 3.28, 1.0), *sets[1:]], r"contradicts itself: units 1 \(SI\) have the factors 1 and 1"),
         (lambda sets: [sets[0], *sets[2:]], r"has no nodes"),
-        (lambda sets: sets[:2], r"holds no real normal modes \(datasets 55, 2414\), only dataset 164, dataset 15"),
-        (lambda sets: altered(sets, analysis_type=3), r"only .*dataset 2414 \(complex modes\)"),
+        (lambda sets: sets[:2], r"holds no modes \(datasets 55, 2414\), only dataset 164 \(units\), dataset 15 \(nodes\)"),
+        (lambda sets: altered(sets, analysis_type=1), r"only .*dataset 2414 \(static\)"),
         (lambda sets: altered(sets, result_type=12), r"mode 1 is not a displacement \(data type 12\)"),
         (lambda sets: altered(sets, node_nums=np.array([1, 2, 3, 4])), r"mode 1 moves node 1, which has no coordinates"),
     ],
-    ids=["units", "contradiction", "nodes", "modes", "complex", "acceleration", "strangers"],
+    ids=["units", "contradiction", "nodes", "modes", "static", "acceleration", "strangers"],
 )  # fmt: skip
 def test_universal_files_that_cannot_be_used(modes, tmp_path, change, message):
     path = tmp_path / "modes.uff"
@@ -148,23 +150,21 @@ def test_units_may_be_given(modes, tmp_path):
     assert_same(read_uff(path, units="MM"), modes, 2 * SIX_DIGITS)
 
 
-def test_local_coordinates_are_refused(modes, tmp_path):
-    path = tmp_path / "modes.uff"
-    turned = np.vstack([[0, 1, 0], [-1, 0, 0], [0, 0, 1], [0, 0, 0]]).astype(float)
-    systems = pyuff.prepare_2420(1, "part", [4], [0], [8], ["turned"], [turned])
-    nodes = nodes_15(modes) | {"disp_cs": [0, 4, 0, 0]}
-    sets = [units(1, 1.0, 1.0), systems, nodes, mode_2414(modes, 0, 1.0)]
-    pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
-    with pytest.raises(ValueError, match="nodes use the local coordinate system 4"):
-        read_uff(path)
-
-
-@pytest.mark.parametrize("content", [b"", b"hello\n", b"    -1\n    55\nNONE\n    -1\n"])
-def test_what_is_no_universal_file(tmp_path, content):
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", r"modes.uff: is no universal file"),
+        (b"hello\n", r"modes.uff: is no universal file"),
+        (b"    -1\n    55\nNONE\n", r"modes.uff:2: dataset 55 does not end"),
+        (b"    -1\n    55\nNONE\n    -1\n", r"modes.uff does not say its units"),
+        (b"    -1\n  x\n    -1\n", r"modes.uff:2: expected the number of a dataset, got 'x'"),
+    ],
+)
+def test_what_is_no_universal_file(tmp_path, content, message):
     (tmp_path / "modes.uff").write_bytes(content)
-    with pytest.raises(ValueError, match=r"modes.uff.*(does not say its units|cannot be read)"):
+    with pytest.raises(ModalError, match=message):
         read_uff(tmp_path / "modes.uff")
-    with pytest.raises(FileNotFoundError, match="there is no file"):
+    with pytest.raises(ModalError, match=r"there is no file .*nothing.uff"):
         read_uff(tmp_path / "nothing.uff")
 
 
@@ -172,15 +172,24 @@ def test_what_is_no_universal_file(tmp_path, content):
     ("text", "message"),
     [
         ("mode,frequency_Hz,modal_mass_kg,x_m,y_m,z_m\n1,40,1,0,0,0\n", r"modes.csv:1: there is no column u_x, u_y or u_z"),
-        ("mode,frequency,modal_mass_kg,x_m,y_m,z_m,u_z\n", r"there is no column frequency_Hz; unknown column frequency; the columns are"),
-        ("mode,frequency_Hz,modal_mass_kg,x_m,y_m,z_m,u_z\n1,40,1,0,0,0,x\n", r"modes.csv:2: u_z: 'x' is no number"),
-        ("mode,frequency_Hz,modal_mass_kg,x_m,y_m,z_m,u_z\n1,0,1,0,0,0,1\n", r"modes.csv:2: frequency_Hz: must be above 0"),
-        ("mode,frequency_Hz,modal_mass_kg,x_m,y_m,z_m,u_z\n1,40,1,0,0,0\n", r"modes.csv:2: u_z: None is no number"),
-        ("mode,frequency_Hz,modal_mass_kg,x_m,y_m,z_m,u_z\n1,40,1,0,0,0,1\n2,50,1,0,0,1,1\n", r"mode 2 is not given at the points"),
-        ("mode,frequency_Hz,modal_mass_kg,x_m,y_m,z_m,u_z\n1,40,1,0,0,0,1\n1,41,1,1,0,0,1\n", r"mode 1 has more than one frequency_Hz"),
-        ("mode,frequency_Hz,modal_mass_kg,x_m,y_m,z_m,u_z\n1,40,0,0,0,0,1\n", r"mode 1 without modal mass"),
-        ("mode,frequency_Hz,modal_mass_kg,x_m,y_m,z_m,u_z\n", r"has no rows"),
-        ("", r"no column mode"),
+        ("mode,freq,modal_mass_kg,x_m,y_m,z_m,u_z\n1,40,1,0,0,0,1\n", r"modes.csv:1: there is no column frequency_Hz; unknown column freq; the columns are"),
+        ("mode,frequency,modal_mass_kg,x_m,y_m,z_m,u_z\n1,40,1,0,0,0,1\n", r"column frequency has no unit: expected hz, khz, rad/s"),
+        ("mode,frequency_Hz,modal_mass_kg,x [pt],y_m,z_m,u_z\n1,40,1,0,0,0,1\n", r"column x has the unknown unit pt: expected m, mm"),
+        (HEAD + "1,40,1,0,0,0,x\n", r"modes.csv:2: u_z: 'x' is no number"),
+        (HEAD + "1,-1,1,0,0,0,1\n", r"modes.csv:2: frequency: -1: expected a frequency of at least 0"),
+        (HEAD + "1,nan,1,0,0,0,1\n", r"modes.csv:2: frequency_Hz: 'nan' is not finite"),
+        (HEAD + "1.5,40,1,0,0,0,1\n", r"modes.csv:2: mode: 1.5: expected a whole number of at least 1"),
+        (HEAD + "1,40,1,0,0,0\n", r"modes.csv:1: 7 names for 6 columns"),
+        (HEAD + "1,40,1,0,0,0,1\n2,50,1,0,0,1,1\n", r"mode 2 is not given at the points"),
+        (HEAD + "1,40,1,0,0,0,1\n1,41,1,1,0,0,1\n", r"mode 1 has more than one frequency"),
+        (HEAD + "1,40,0,0,0,0,1\n", r"mode 1 without modal mass"),
+        (HEAD + "1,40,1,0,0,0,0\n", r"mode 1 moves no point"),
+        (HEAD.replace("mode,", "mode,damping_ratio,") + "1,1.5,40,1,0,0,0,0\n", r"modes.csv:2: damping_ratio: 1.5: expected a ratio"),
+        (HEAD.replace("mode,", "mode,node,") + "1,1,40,1,0,0,0,1\n1,1,40,1,1,0,0,1\n", r"node 1 is there twice in each mode"),
+        ("Beam of Monday\n" + HEAD + "1,40,1,0,0,0,1\n", r"modes.csv:1: 'Beam of Monday' is neither names nor numbers"),
+        ("1,40,1,0,0,0,1\n", r"modes.csv:1: has no line of names above the numbers"),
+        (HEAD, r"modes.csv: holds no rows of numbers"),
+        ("", r"modes.csv: holds no rows of numbers"),
     ],
 )  # fmt: skip
 def test_tables_that_cannot_be_used(tmp_path, text, message):
@@ -197,3 +206,14 @@ def test_a_table_may_be_short(tmp_path):
     np.testing.assert_allclose(modes.modal_mass, [0.36])
     assert modes.amplitude[0] > 0
     assert modes.inherent_damping[0] == 0
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "cp1252", "utf-16"])
+def test_a_table_in_other_dress(tmp_path, encoding):
+    """Units in brackets, semicolons, decimal commas: 30 mm, 40 Hz as angular frequency, 360 g, 1 %."""
+    text = "# Träger\nMode;Frequency [rad/s];Modal mass [g];damping_ratio [%];x [mm];y_mm;z_m;u_z\n1;251,3274123;360;1;30;0;0;0,5\n"
+    (tmp_path / "modes.csv").write_bytes(text.encode(encoding))
+    modes = read_csv(tmp_path / "modes.csv")
+    np.testing.assert_allclose(modes.frequency, [40.0], rtol=1e-9)
+    np.testing.assert_allclose(modes.modal_mass, [0.36 / 0.5**2])
+    np.testing.assert_allclose((modes.inherent_damping[0], modes.point[0, 0]), (0.01, 0.03))

@@ -164,8 +164,8 @@ def test_structures_that_contradict_themselves(written, tmp_path, structure, mes
     ("structure", "message"),
     [
         ("  mode_file: {file: modes.csv, node: 7}\n  particles_included: true\n", r"FILE:2:3: structure.mode_file: there is no node 7"),
-        ("  mode_file: {file: other.csv, node: 7}\n  particles_included: true\n", r"structure.mode_file: .*No such file.*other.csv"),
-        ("  mode_file: {file: modes.txt, node: 7}\n  particles_included: true\n", r"modes are read from .csv or .uff, .unv, .uf"),
+        ("  mode_file: {file: other.csv, node: 7}\n  particles_included: true\n", r"structure.mode_file: there is no file .*other.csv"),
+        ("  mode_file: {file: modes.txt, node: 7}\n  particles_included: true\n", r"modes.txt: modes are read from .csv, .uff, .unv, .uf, .f06, .pch or .rst"),
         ("  mode_file: {file: bare.csv, node: 1}\n  particles_included: true\n", r"structure.mode_file: .*bare.csv has no modal mass: add a column"),
         ("  mode_file: {file: modes.csv, node: 1}\n  particles_included: true\n  modes: [4]\n", r"FILE:4:3: structure.modes: there is no mode 4: choose from 1"),
         ("  mode_file: {file: modes.csv, node: 1}\n  particles_included: true\n  inherent_damping: [1 %, 2 %]\n", r"structure.inherent_damping: 2 values for 1 modes"),
@@ -188,8 +188,9 @@ def test_what_only_shows_when_it_is_read_is_placed_too(written, tmp_path, struct
 def test_a_missing_library_is_named_with_its_remedy(written, monkeypatch):
     import importlib.util
 
-    config = written("  mode_file: {file: modes.uff, node: 1}\n  particles_included: true\n")
+    mass = "  point_mass: {mass: 0, position: [0, 0, 0], footprint: 1}\n  modes: [1]\n"
+    config = written("  mesh: {file: bracket.msh, material: steel}\n" + mass)
     found = importlib.util.find_spec
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pyuff" else found(name))
-    with pytest.raises(ConfigError, match=r"universal files need pyuff: pip install 'warpdamp\[modes\]'"):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "meshio" else found(name))
+    with pytest.raises(ConfigError, match=r"mesh files need meshio: pip install 'warpdamp\[modes\]'"):
         modes(config, particles=0.0)

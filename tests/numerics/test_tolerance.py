@@ -11,7 +11,7 @@ from warpdamp import ConfigError, load
 from warpdamp.config.study import PRESETS
 from warpdamp.numerics.steady import degrees_of_freedom, standard_error
 from warpdamp.numerics.tolerance import combined, settings_for, single_interval, step_error, student
-from warpdamp.sweep.resolve import applied
+from warpdamp.sweep.resolve import with_tolerance
 from warpdamp.variables import NOT_RUN
 
 SMALL = """
@@ -99,7 +99,7 @@ def test_presets_and_conflicts(write):
         ("numerics: {step: 1 us}\n", "leave numerics.step"),
     ):
         with pytest.raises(ConfigError, match=message):
-            applied(load(write(SMALL + text + "accuracy: fast\n")))
+            with_tolerance(load(write(SMALL + text + "accuracy: fast\n")))
 
 
 def test_a_tolerance_is_kept_or_said_not_to_be(write):

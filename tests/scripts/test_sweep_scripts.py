@@ -47,7 +47,7 @@ def test_the_frequency_map_of_a_small_damper(tmp_path):
     python("-m", "warpdamp", "run", config, "-o", tmp_path, "--part", "1/2", "--workers", "1", cwd=tmp_path)
     told = python("-m", "warpdamp", "status", tmp_path / "map", cwd=tmp_path)
     assert "of 48 cases done" in told
-    assert "nothing at work; the last run done; run again to go on" in told
+    assert "no run in progress; the last run done; run again to continue" in told
     python("-m", "warpdamp", "collect", tmp_path, cwd=tmp_path)
     with xr.open_dataset(tmp_path / "map.nc") as part:
         assert 0 < int((part["status"] == Status.NOT_RUN).sum()) < 48
@@ -148,4 +148,4 @@ def test_parts_that_are_none(text, tmp_path):
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 2
-    assert "is no part" in done.stderr
+    assert "is not a part" in done.stderr

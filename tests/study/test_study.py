@@ -51,7 +51,8 @@ def test_the_dataset_keeps_its_contract(small):
     assert small["preparation"].item() == "loose"
     for name in (
         "effectiveness", "energy_dissipated", "energy_dissipated_standard_error", "work_input", "ledger_residual",
-        "apparent_mass", "clearance", "cycles", "steps", "cpu_time", "status",
+        "apparent_mass", "clearance", "clearance_after", "packing_fraction", "packing_fraction_after",
+        "compaction_settled", "cycles", "steps", "cpu_time", "status",
     ):  # fmt: skip
         assert name in small
     for name, variable in small.variables.items():
@@ -61,6 +62,15 @@ def test_the_dataset_keeps_its_contract(small):
     assert "count: 16" in small.attrs["configuration"]
     assert "warp-lang" in small.attrs["source"]
     assert small.attrs["Conventions"].startswith("CF-")
+
+
+def test_packing_fractions_follow_from_clearances(small):
+    """v / (1 - h / L), eq. 2 of the paper; 16 spheres in 24 x 20 mm."""
+    part = 16 * 4 / 3 * np.pi * 3.73e-3**3 / (np.pi * 0.012**2 * 0.02)
+    for after in ("", "_after"):
+        expected = part / (1 - small[f"clearance{after}"] / 0.02)
+        np.testing.assert_allclose(small[f"packing_fraction{after}"], expected, rtol=1e-12)
+    assert (small["compaction_settled"] == 1).all()
 
 
 def test_its_energies_belong_together(small):
@@ -115,6 +125,8 @@ def test_carried_beds_start_from_the_amplitude_before(small_config, tmp_path):
     )
     assert (carried[name].sel(rest).values != loose[name].sel(rest).values).all()
     assert carried["preparation"].item() == "carried"
+    before, after = carried["clearance"].sel(rest).values, carried["clearance_after"].sel(gamma=[0.5, 3]).values
+    np.testing.assert_array_equal(before, after)
 
 
 def test_the_papers_recipe_by_name(small_config, tmp_path):

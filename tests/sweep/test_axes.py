@@ -9,9 +9,9 @@ from conftest import ROOT
 from warpdamp import ConfigError, load
 from warpdamp.execution.batching import batches
 from warpdamp.sweep.cases import Cases
-from warpdamp.sweep.plan import Fate, plan
+from warpdamp.sweep.plan import Fate, make_plan
 from warpdamp.sweep.reader import read_axes
-from warpdamp.sweep.resolve import settled
+from warpdamp.sweep.resolve import self_contained
 
 BASE = """
 damper:
@@ -130,12 +130,49 @@ def test_a_table(study, tmp_path):
     config = load(study("  csv: points.csv\n", BASE.replace("[40 Hz, 80 Hz]", "40 Hz")))
     assert rows(config)["case"] == ((0.1, 50.0, 3), (0.2, pytest.approx(60.0), 4))
     (tmp_path / "points.csv").unlink()
-    with pytest.raises(ConfigError, match=r"study.yaml:\d+:\d+: sweep.csv: .*points.csv cannot be read: No such file"):
-        settled(config)
+    with pytest.raises(ConfigError, match=r"study.yaml:\d+:\d+: sweep.csv: there is no file .*points.csv"):
+        self_contained(config)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_tables_as_spreadsheets_write_them(study, tmp_path, encoding, mark):
+    """Decimal commas, units in the heads, and a comment that is ASCII in no encoding."""
+    rows_ = ["# Reibung µ, §", f"contact.friction [%]{mark}height [mm]", f"10,5{mark}20,5", f"20{mark}21"]
+    (tmp_path / "points.csv").write_bytes("\r\n".join(rows_).encode(encoding))
+    config = load(study("  csv: points.csv\n"))
+    assert rows(config)["case"] == ((pytest.approx(0.105), pytest.approx(0.0205)), (0.2, pytest.approx(0.021)))
+
+
+def test_a_column_of_quantities_has_no_blanks_for_separators(study, tmp_path):
+    (tmp_path / "points.csv").write_text("height\n20 mm\n21 mm\n22 mm\n")
+    assert rows(load(study("  csv: points.csv\n")))["case"] == ((0.02,), (0.021,), (0.022,))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("contact.frction\n0.1\n", r"points.csv:1: column 'contact.frction': is no scalar.*did you mean 'contact.friction'"),
+        ("friction,contact.friction\n0.1,0.2\n", r"points.csv:1: column 'contact.friction': is given in sweep.csv, too"),
+        ("friction,height\n0.1\n", r"points.csv:2: 1 values for 2 columns"),
+        ("friction\n-1\n", r"points.csv:2: .*greater than or equal to 0"),
+        ("friction;height\n0,1;20 mm\n0.2;20 mm\n", r"points.csv:3: has decimal points and decimal commas"),
+        ("height [kg]\n20\n", r"points.csv:2: .*wrong unit"),
+        ("height [mm]\n20 mm\n", r"points.csv:2: .*20 mm"),
+        ("friction\n", "needs a line of paths"),
+        ("friction\nnan\n", r"points.csv:2: .*nan"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_a_table_names_its_line(study, tmp_path, text, message):
+    (tmp_path / "points.csv").write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load(study("  csv: points.csv\n"))
+    assert re.search(r"study.yaml:\d+:\d+: sweep.csv: .*" + message, str(caught.value)), str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_exclusions_and_combinations_that_cannot_be(study):
-    made = plan(
+    made = make_plan(
         Cases(
             load(
                 study(
@@ -161,29 +198,29 @@ def test_a_damper_on_a_node_is_one_combination_that_cannot_be(config_path, tmp_p
     text = config_path.read_text().replace("modes: [1, 3, 5]", "modes: [1, 2]")
     path = tmp_path / "study.yaml"
     path.write_text(text + "sweep: {product: {point_mass.position: [200 mm, 290 mm]}}\n")
-    made = plan(Cases(load(path)))
+    made = make_plan(Cases(load(path)))
     fate = made.fate.reshape(made.cases.shape)  # frequency, gamma, position, seed
     assert (fate[:, :, 1] == Fate.REFUSED).all()
     assert (fate[:, :, 0] != Fate.REFUSED).all()
     assert "mode 2 has a node where the damper sits" in made.refused[(1,)]
     path.write_text(text + "sweep: {product: {contact.friction: [0.1, 0.2]}}\n")
     with pytest.raises(ConfigError, match="mode 2 has a node"):
-        plan(Cases(load(path)))
+        make_plan(Cases(load(path)))
 
 
 def test_a_case_is_known_by_what_it_depends_on(study):
     """The same key in another sweep; another key for another physics, step, criterion or history."""
     small, large = (
-        plan(Cases(load(study(f"  product: {{contact.friction: {f}}}\n")))) for f in ("[0.3]", "[0.1, 0.3]")
+        make_plan(Cases(load(study(f"  product: {{contact.friction: {f}}}\n")))) for f in ("[0.3]", "[0.1, 0.3]")
     )
     assert set(small.keys) < set(large.keys)
     assert len(set(large.keys)) == len(large.keys) == 8
-    longer = plan(Cases(load(study("  product: {contact.friction: [0.3], most_cycles: [13]}\n"))))
+    longer = make_plan(Cases(load(study("  product: {contact.friction: [0.3], most_cycles: [13]}\n"))))
     assert not set(longer.keys) & set(large.keys)
 
     def carried(gammas):
         text = BASE.replace("loose", "carried").replace("gamma: [3, 6]", f"gamma: {gammas}")
-        made = plan(Cases(load(study("", text))))
+        made = make_plan(Cases(load(study("", text))))
         return dict(zip(((g, f) for f in (40, 80) for g in made.cases.gammas), made.keys, strict=True))
 
     few, more = carried([3, 6]), carried([1, 3, 6])
@@ -200,19 +237,19 @@ def test_a_kept_plan_is_the_plan(study, tmp_path, monkeypatch):
         "[40 Hz, 80 Hz]", "{log: [40 Hz, 81 Hz], n: 3}"
     )
     sweep = "  product: {friction: {from: 10 %, to: 0.7, n: 3}, height: [20 mm, 7.47 mm]}\n  exclude: [{gamma: 3, friction: 0.1}]\n"
-    made = plan(Cases(load(study(sweep, text))))
+    made = make_plan(Cases(load(study(sweep, text))))
     planning.save_plan(made, tmp_path)
     with monkeypatch.context() as patch:
-        patch.setattr(planning, "plan", None)
+        patch.setattr(planning, "make_plan", None)
         kept = loading.load_plan(tmp_path)
     for again in (kept, planning.load_or_make_plan(made.cases, tmp_path)):
         for name in planning._ARRAYS:
             np.testing.assert_array_equal(getattr(again, name), getattr(made, name))
-        assert (again.groups, again.beds, again.refused, again.said) == (
+        assert (again.groups, again.beds, again.refused, again.attributes) == (
             made.groups,
             made.beds,
             made.refused,
-            made.said,
+            made.attributes,
         )
     content = bytearray((tmp_path / "plan.npz").read_bytes())
     content[len(content) // 2] ^= 255
@@ -224,16 +261,16 @@ def test_the_physics_is_part_of_the_key(study, monkeypatch):
     from warpdamp.damper import case
     from warpdamp.sweep import plan as planning
 
-    before = plan(Cases(load(study("")))).keys
+    before = make_plan(Cases(load(study("")))).keys
     for module in (case, planning):
         monkeypatch.setattr(module, "PHYSICS_VERSION", 999)
-    assert not set(before) & set(plan(Cases(load(study("")))).keys)
+    assert not set(before) & set(make_plan(Cases(load(study("")))).keys)
 
 
 @pytest.mark.parametrize(
     ("sweep", "message"),
     [
-        ("  product: {contact.frction: [1, 2]}\n", r"12:13: sweep.product.contact.frction: is no scalar.*did you mean 'contact.friction'"),
+        ("  product: {contact.frction: [1, 2]}\n", r"12:13: sweep.product.contact.frction: is not a scalar.*did you mean 'contact.friction'"),
         ("  product: {contact.friction: [0.1, -1]}\n", r"sweep.product.contact.friction.1: .*greater than or equal to 0"),
         ("  product: {contact.friction: [0.1, 10 %]}\n", r"each value once"),
         ("  product: {height: [10 mm, 20 kg]}\n", r"sweep.product.height.1: .*wrong unit"),
@@ -246,7 +283,7 @@ def test_the_physics_is_part_of_the_key(study, monkeypatch):
         ("  zip: [{friction: [0.1, 0.2], restitution: [0.5]}]\n", r"need as many values each, got contact.friction 2, contact.restitution 1"),
         ("  sample: {n: 4, over: {friction: [0.5, 0.5]}}\n", r"sweep.sample.over.friction: the ends of a range must differ"),
         ("  sample: {n: 4, method: random, over: {friction: [0, 1]}}\n", r"'random' is not one of 'sobol' or 'latin_hypercube'"),
-        ("  exclude: [{frictoin: 1}]\n", r"sweep.exclude.0.frictoin: is no scalar"),
+        ("  exclude: [{frictoin: 1}]\n", r"sweep.exclude.0.frictoin: is not a scalar"),
         ("  produt: {}\n", r"sweep.produt: unknown key; did you mean 'product'\?"),
     ],
 )  # fmt: skip
@@ -263,7 +300,7 @@ def test_what_is_wrong_is_said_in_one_line(study, sweep, message):
 def test_batches_leave_no_worker_alone(study, workers):
     """64 equal cases, dealt to whoever is free: all finish within one case of each other."""
     many = "  product: {gamma: {from: 1, to: 5, n: 64}}\n"
-    made = plan(
+    made = make_plan(
         Cases(load(study(many, BASE.replace("gamma: [3, 6], frequency: [40 Hz, 80 Hz]", "gamma: 1, frequency: 40 Hz"))))
     )
     made.cost[:] = 1.0
@@ -279,7 +316,7 @@ def test_batches_leave_no_worker_alone(study, workers):
 def test_what_is_alike_is_dealt_once(study):
     """Cases of one key run once, and batches shrink with what is really left."""
     base = BASE.replace("gamma: [3, 6]", "gamma: 1")
-    alike = plan(Cases(load(study("  product: {gamma: {from: 1, to: 5, n: 16}, seed: [1, 2]}\n", base))))
+    alike = make_plan(Cases(load(study("  product: {gamma: {from: 1, to: 5, n: 16}, seed: [1, 2]}\n", base))))
     alike.cost[:] = 1.0
     alike.keys[1::2] = alike.keys[::2]
     dealt = [len(batch) for batch in batches(alike, alike.to_run(), 2)]

@@ -1,1 +1,1 @@
-"""What finished results say: Dataset in, Dataset or numbers out."""
+"""Analysis of finished results: Dataset in, Dataset or numbers out."""

@@ -20,7 +20,7 @@ REFERENCE_LABEL = f"steps_per_contact={REFERENCE:g}"
 """Name of the reference along the dimension ``variation``."""
 
 
-def _kept(row) -> np.ndarray:
+def _after_transient(row) -> np.ndarray:
     """The last two thirds of a series: the first third is the transient."""
     x = np.asarray(row, float)
     x = x[np.isfinite(x)]
@@ -33,6 +33,11 @@ def systematic(runs: xr.Dataset) -> xr.Dataset:
     The difference of a bed from its own reference is free of the beds' spread; what is left is the chance of two
     finite series, from their standard errors.
 
+    Parameters
+    ----------
+    runs : xarray.Dataset
+        See ``warpdamp.study.accuracy.study``.
+
     Returns
     -------
     xarray.Dataset
@@ -43,11 +48,11 @@ def systematic(runs: xr.Dataset) -> xr.Dataset:
     shape = (runs.sizes["point"], runs.sizes["variation"])
     error, chance = np.empty(shape), np.empty(shape)
     for p in range(shape[0]):
-        own = runs["effectiveness"].isel(point=p).sel(variation=REFERENCE_LABEL).values
-        truth = np.mean([_kept(row).mean() for row in own])
+        references = runs["effectiveness"].isel(point=p).sel(variation=REFERENCE_LABEL).values
+        truth = np.mean([_after_transient(row).mean() for row in references])
         for v in range(shape[1]):
             rows = runs["effectiveness"].isel(point=p, variation=v).values
-            pairs = [(_kept(a), _kept(b)) for a, b in zip(rows, own, strict=True)]
+            pairs = [(_after_transient(a), _after_transient(b)) for a, b in zip(rows, references, strict=True)]
             differences = np.array([a.mean() - b.mean() for a, b in pairs])
             within = math.sqrt(sum(standard_error(a) ** 2 + standard_error(b) ** 2 for a, b in pairs)) / len(pairs)
             between = differences.std(ddof=1) / math.sqrt(len(pairs)) if len(pairs) > 1 else 0.0
@@ -65,10 +70,20 @@ def systematic(runs: xr.Dataset) -> xr.Dataset:
 
 
 def step_errors(errors: xr.Dataset) -> dict[float, tuple[float, float]]:
-    """Of one point: steps per contact -> (relative error by the fitted law, core-seconds per cycle).
+    """Step error of one point at each step: relative error by the fitted law, and cost.
 
     Leapfrog is of second order, so a single strength c is fitted to |error| = c / N^2 - c / N_ref^2, by weights of the
     standard errors; where chance hides it, its one-sigma upper bound is taken.
+
+    Parameters
+    ----------
+    errors : xarray.Dataset
+        One point of ``systematic``.
+
+    Returns
+    -------
+    dict
+        Steps per contact -> (relative error, core-seconds per cycle).
     """
     names = [v for v in errors["variation"].values if v.startswith("steps_per_contact")]
     steps = np.array([float(name.split("=")[1]) for name in names])
@@ -84,12 +99,14 @@ def step_errors(errors: xr.Dataset) -> dict[float, tuple[float, float]]:
 
 @dataclass(frozen=True)
 class Chance:
-    """What averaging leaves of the error at a point, all relative to the mean.
+    """Statistical error that averaging leaves at a point, relative to the mean.
 
     Parameters
     ----------
-    one_cycle : standard error of one uncorrelated cycle, so that n cycles leave one_cycle / sqrt(n)
-    packing : standard deviation between beds
+    one_cycle : float
+        Standard error of one uncorrelated cycle [-], so that n cycles leave one_cycle / sqrt(n).
+    packing : float
+        Standard deviation between beds [-].
     """
 
     one_cycle: float
@@ -97,39 +114,73 @@ class Chance:
 
 
 def chance(rows) -> Chance:
-    """From the series of one point's beds, (seeds, cycles)."""
-    kept = [_kept(row) for row in rows]
-    means = np.array([x.mean() for x in kept])
+    """Statistical error of one point, from the series of its beds.
+
+    Parameters
+    ----------
+    rows : (seeds, cycles) array
+        Energy, or effectiveness, of every cycle; NaN beyond the end of a series.
+
+    Returns
+    -------
+    Chance
+    """
+    series = [_after_transient(row) for row in rows]
+    means = np.array([x.mean() for x in series])
     mean = means.mean()
-    variance = np.mean([np.var(x) * autocorrelation_time(x) for x in kept])
-    own = np.mean([standard_error(x) ** 2 for x in kept])
-    spread = max(0.0, means.var(ddof=1) - own) if len(means) > 1 else 0.0
+    variance = np.mean([np.var(x) * autocorrelation_time(x) for x in series])
+    within = np.mean([standard_error(x) ** 2 for x in series])
+    spread = max(0.0, means.var(ddof=1) - within) if len(means) > 1 else 0.0
     return Chance(math.sqrt(variance) / mean, math.sqrt(spread) / mean)
 
 
 def transient(rows, discarded: int) -> float:
-    """Relative error of averaging half a run after so many cycles, root mean square over the beds."""
+    """Relative error of averaging half a run after discarded cycles, root mean square over the beds [-].
+
+    Parameters
+    ----------
+    rows : (seeds, cycles) array
+        Energy, or effectiveness, of every cycle; NaN beyond the end of a series.
+    discarded : int
+        Cycles left out at the start.
+
+    Returns
+    -------
+    float
+    """
     misses = []
     for row in rows:
         x = np.asarray(row, float)
         x = x[np.isfinite(x)]
-        misses.append(x[discarded : discarded + len(x) // 2].mean() / _kept(row).mean() - 1)
+        misses.append(x[discarded : discarded + len(x) // 2].mean() / _after_transient(row).mean() - 1)
     return float(np.sqrt(np.mean(np.square(misses))))
 
 
 def averaged(rows, lengths) -> list[tuple[float, float]]:
-    """Observed error of averaging n cycles, root mean square over all windows of that length: (n, relative error)."""
+    """Observed error of averaging n cycles, root mean square over all windows of that length.
+
+    Parameters
+    ----------
+    rows : (seeds, cycles) array
+        Energy, or effectiveness, of every cycle; NaN beyond the end of a series.
+    lengths : iterable of int
+        Values of n; those of which a series has fewer than three windows are left out.
+
+    Returns
+    -------
+    list of (n, relative error)
+    """
     out = []
     for n in lengths:
         misses = []
         for row in rows:
-            x = _kept(row)
+            x = _after_transient(row)
             windows = len(x) // n
             if windows >= 3:
                 means = x[: windows * n].reshape(windows, n).mean(axis=1)
                 misses += list((means - means.mean()) ** 2 * windows / (windows - 1))
         if misses:
-            mean = np.mean([_kept(row).mean() for row in rows])
+            mean = np.mean([_after_transient(row).mean() for row in rows])
             out.append((n, math.sqrt(np.mean(misses)) / mean))
     return out
 
@@ -139,14 +190,18 @@ def cheapest(step_errors: dict[float, tuple[float, float]], point: Chance, toler
 
     Parameters
     ----------
-    step_errors : steps per contact -> (relative error, core-seconds per cycle)
+    step_errors : dict
+        Steps per contact -> (relative error, core-seconds per cycle).
     point : Chance
-    tolerance : relative
-    bed : core-seconds to make a bed
+    tolerance : float
+        Relative standard error [-].
+    bed : float
+        Cost of making a bed [core-s].
 
     Returns
     -------
     (steps per contact, packings, cycles each, core-seconds) or None
+        None where no combination reaches the tolerance.
     """
     best = None
     for steps, (error, cost) in step_errors.items():

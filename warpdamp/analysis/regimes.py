@@ -1,7 +1,7 @@
-"""Regimes of motion, told from what every run records: who carries the bed, and whether its particles stay in place.
+"""Regimes of motion, from recorded indicators: how the bed is carried, and whether its particles stay in place.
 
 The change from one to the next is gradual; the limits below are conventions, chosen where the paper's bed changes its
-ways.
+motion.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ RECORDED = ("floor_impulse", "lid_impulse", "apparent_mass", "cycle_displacement
 
 
 class Regime(IntEnum):
-    """How a bed moves."""
+    """Regime of motion of a bed; the value is what ``regime`` returns."""
 
     UNKNOWN = 0
     SOLID = 1
@@ -37,7 +37,7 @@ class Regime(IntEnum):
 
 
 def regime(dataset: xr.Dataset) -> xr.DataArray:
-    """Label every case.
+    """Regime of motion of every case.
 
     Solid: the effectiveness is below 2 %.  Two-sided collision: of lid and floor one gives at least a tenth of the
     other's impulse.  Unknown: the case failed, or the cavity moves across its axis.
@@ -46,12 +46,18 @@ def regime(dataset: xr.Dataset) -> xr.DataArray:
 
     Parameters
     ----------
-    dataset : of results, with the variables in ``RECORDED``
+    dataset : xarray.Dataset
+        Results with the variables in ``RECORDED``.
+
+    Returns
+    -------
+    xarray.DataArray
+        Numbers of ``Regime``, on the dimensions of ``effectiveness``.
 
     Raises
     ------
     ValueError
-        If they are not there: ``effects.indicators`` was off.
+        If a variable is missing: ``effects.indicators`` was off.
     """
     import xarray as xr
 

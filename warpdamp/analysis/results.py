@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from ..errors import UsageError
 from ..files import whole_file
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
 
 CLAIMED = ("energy_dissipated", "effectiveness")
-"""Variables whose mean over packings carries the claim of ``energy_mean``: spread, memory, averaging and step."""
+"""Variables whose mean over packings has the error of ``energy_mean``: spread, memory, averaging and step."""
 
 
 def over_packings(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
@@ -45,37 +44,59 @@ def over_packings(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.Data
     import xarray as xr
 
     value = dataset[name]
-    own = dataset.get(f"{name}_standard_error", xr.full_like(value, np.nan))
-    there = ran(dataset)
+    errors = dataset.get(f"{name}_standard_error", xr.full_like(value, np.nan))
+    done = ran(dataset)
     if "seed" not in value.dims:
-        value, own, there = (a.expand_dims("seed") if "seed" not in a.dims else a for a in (value, own, there))
-    n = there.sum("seed")
+        value, errors, done = (a.expand_dims("seed") if "seed" not in a.dims else a for a in (value, errors, done))
+    n = done.sum("seed")
 
     def total(values):
-        return values.where(there, 0.0).sum("seed", skipna=False)
+        return values.where(done, 0.0).sum("seed", skipna=False)
 
     mean = total(value) / n
     if name in CLAIMED and "energy_mean" in dataset:
         return mean, mean * dataset["energy_mean_standard_error"] / dataset["energy_mean"]
     between = np.sqrt(total((value - mean) ** 2) / (n * (n - 1)).where(n > 1))
-    return mean, np.fmax(between, np.sqrt(total(own**2)) / n)
+    return mean, np.fmax(between, np.sqrt(total(errors**2)) / n)
 
 
 def worst_status(dataset: xr.Dataset) -> xr.DataArray:
-    """How the worst packing of every point ended, of all dampers where there are several."""
+    """Largest ``status`` among the packings of every point, and among its dampers where there are several.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results.
+
+    Returns
+    -------
+    xarray.DataArray
+        Numbers of ``warpdamp.status.Status``, without the dimensions ``seed`` and ``damper``.
+    """
     status = dataset["status"]
     return status.max([dim for dim in ("seed", "damper") if dim in status.dims])
 
 
 def ran(dataset: xr.Dataset) -> xr.DataArray:
-    """Which cases were run: of the packings of a point those that a tolerance called for."""
+    """Cases that were run: of the packings of a point those that a tolerance required.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results.
+
+    Returns
+    -------
+    xarray.DataArray of bool
+        On the dimensions of ``status``.
+    """
     import xarray as xr
 
     return dataset["status"] != NOT_RUN if "status" in dataset else xr.ones_like(dataset["seed"], bool)
 
 
 def provenance() -> dict:
-    """Global attributes: who made this, with what, when."""
+    """Global attributes of a results file: program and library versions, date, references."""
     import numpy
     import scipy
     import skfem
@@ -94,25 +115,43 @@ def provenance() -> dict:
 
 
 def read(path: Path) -> xr.Dataset:
-    """Results of a run, from their file into memory.
+    """Results of a run, read from their file into memory.
+
+    Parameters
+    ----------
+    path : Path
+        netCDF file.
+
+    Returns
+    -------
+    xarray.Dataset
 
     Raises
     ------
     UsageError
-        If the file is not there, is no netCDF file, or holds no results.
+        If the file is not a netCDF file, or holds no results.
+    FileNotFoundError
+        If there is no such file.
     """
     import xarray as xr
 
     try:
         dataset = xr.load_dataset(path)
     except ValueError:
-        raise UsageError(f"{path}: is no netCDF file") from None
+        raise UsageError(f"{path}: is not a netCDF file") from None
     if "effectiveness" not in dataset:
-        raise UsageError(f"{path}: is no results file of warpdamp (it has no effectiveness)")
+        raise UsageError(f"{path}: is not a results file of warpdamp (it has no effectiveness)")
     return dataset
 
 
 def write(dataset: xr.Dataset, path: Path) -> None:
-    """Write a netCDF file whole or not at all."""
+    """Write a netCDF file whole or not at all.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    path : Path
+        Replaced if it exists.
+    """
     with whole_file(path) as part:
         dataset.to_netcdf(part, engine="netcdf4")

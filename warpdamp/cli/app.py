@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 from contextlib import contextmanager
@@ -39,13 +40,11 @@ def run(
     part: Annotated[
         str | None, typer.Option(metavar="K/N", help="Run the K-th of N parts only, as an array job does.")
     ] = None,
-    limit: Annotated[
-        float | None, typer.Option(min=1, help="Seconds after which a batch is taken for hanging.")
-    ] = None,
+    limit: Annotated[float | None, typer.Option(min=1, help="Seconds after which a batch counts as hanging.")] = None,
 ) -> None:
     """Run a study, or what is left of it: one netCDF file, a picture, and a table of the peaks.
 
-    Every batch of cases is kept in OUTPUT/CONFIG as soon as it is done; the same command goes on from there.
+    Every batch of cases is stored in OUTPUT/CONFIG as soon as it is done; the same command continues from there.
     """
     from rich.console import Console
 
@@ -58,16 +57,16 @@ def run(
         from ..sweep.load import load
 
         if executor not in EXECUTORS and "://" not in executor:
-            raise typer.BadParameter(f"'{executor}' is none of {', '.join(EXECUTORS)}", param_hint="--executor")
-        checked, own = load(config), _part(part)
+            raise typer.BadParameter(f"'{executor}' is not one of {', '.join(EXECUTORS)}", param_hint="--executor")
+        checked, share = load(config), _part(part)
         store = output / f"{config.stem}{'-quick' if quick else ''}"
         path = store.with_name(f"{store.name}.nc")
         writable(output)
         started = time.perf_counter()
         options = {"quick": quick, "workers": workers, "executor": executor, "limit": limit}
         with _stoppable(store), progress() as report:
-            if own:
-                study.carry_out(checked, store, part=own, report=report, **options)
+            if share:
+                study.carry_out(checked, store, part=share, report=report, **options)
                 print(f"part {part} is done; warpdamp collect {store} puts all parts together")
                 return
             dataset = study.run(checked, store=store, report=report, **options)
@@ -86,13 +85,13 @@ def _part(text: str | None) -> tuple[int, int] | None:
         return None
     k, _, n = text.partition("/")
     if not (k.isdigit() and n.isdigit() and 1 <= int(k) <= int(n)):
-        raise typer.BadParameter(f"'{text}' is no part: write as 17/200", param_hint="--part")
+        raise typer.BadParameter(f"'{text}' is not a part: write as 17/200", param_hint="--part")
     return int(k), int(n)
 
 
 @contextmanager
 def _stoppable(store: Path):
-    """Ctrl-C, or a scheduler's polite end, stops a run and says how to go on."""
+    """Context in which Ctrl-C or SIGTERM stops a run and says how to continue it."""
     import signal
 
     def stop(*_):
@@ -103,7 +102,7 @@ def _stoppable(store: Path):
         yield
     except KeyboardInterrupt:
         print(
-            f"\nwarpdamp: stopped; every finished batch is kept in {store}: the same command goes on from there, "
+            f"\nwarpdamp: stopped; every finished batch is stored in {store}: the same command continues from there, "
             f"warpdamp status {store} says how far it is",
             file=sys.stderr,
         )
@@ -117,11 +116,11 @@ FolderArgument = Annotated[Path, typer.Argument(help="Folder of a run.", metavar
 
 @app.command()
 def status(folder: FolderArgument) -> None:
-    """Say how far a run is: done, at work, failed, and the time left."""
+    """Show the progress of a run: done, in progress, failed, and the time left."""
     with one_line_errors():
-        from ..execution.progress import status as told
+        from ..execution.progress import status as progress_lines
 
-        for line in told(folder):
+        for line in progress_lines(folder):
             print(line)
 
 
@@ -132,7 +131,7 @@ def collect(
         Path | None, typer.Option("-o", "--output", help="netCDF file to write (default: beside DIR).")
     ] = None,
 ) -> None:
-    """Put all that is done so far into one netCDF file, at any moment."""
+    """Collect all that is done so far in one netCDF file, at any moment."""
     from rich.console import Console
 
     with one_line_errors():
@@ -156,7 +155,7 @@ def explain(
     config: ConfigArgument,
     measure: Annotated[bool, typer.Option("--measure", help="Measure first what each effect costs here.")] = False,
 ) -> None:
-    """Say what a study will simulate, why, and what it will take, without running it."""
+    """Explain what a study will simulate, why, and its cost, without running it."""
     with one_line_errors():
         from ..study.explain import explain as explained
         from ..sweep.load import load
@@ -190,9 +189,9 @@ def accuracy(
 
         checked = load(config)
         writable(output)
-        own = points_of(checked, points)
+        specs = points_of(checked, points)
         with progress() as report, worker_pool("processes", workers) as processes:
-            runs = vary(own, lambda _: cycles, processes.executor, report=lambda done: report("runs", done))
+            runs = vary(specs, lambda _: cycles, processes.executor, report=lambda done: report("runs", done))
         path = output / f"{config.stem}-accuracy.nc"
         write(runs, path)
         save(work_precision(runs), path.with_suffix(".png"))
@@ -233,3 +232,15 @@ def schema() -> None:
 
 
 app.registered_commands += cli_structure.app.registered_commands
+
+
+def main() -> None:
+    """Run the command line; end quietly when nobody reads its output on, as behind ``| head``."""
+    try:
+        try:
+            app(prog_name="warpdamp")
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left in the buffer goes there at exit
+        sys.exit(1)

@@ -1,4 +1,4 @@
-"""What the commands share: errors as one line, files that can be written, progress."""
+"""Common parts of the commands: errors as one line, writable files, progress."""
 
 from __future__ import annotations
 
@@ -17,11 +17,13 @@ ConfigArgument = Annotated[Path, typer.Argument(help="YAML file of the study.", 
 
 @contextmanager
 def one_line_errors():
-    """What a user can put right comes as one line and exit status 2; anything else is a bug and keeps its traceback."""
+    """Context that prints a user's error as one line with exit status 2; a bug keeps its traceback."""
     from ..errors import ConfigError, WarpdampError
 
     try:
         yield
+    except BrokenPipeError:  # nobody reads on, as behind `| head`: nothing to say
+        raise
     except (WarpdampError, OSError) as error:
         print(error if isinstance(error, ConfigError) else f"warpdamp: {error}", file=sys.stderr)
         raise typer.Exit(2) from None
@@ -35,7 +37,7 @@ def writable(folder: Path) -> None:
 
 
 def picture_file(target: Path) -> Path:
-    """A file that a picture can be written to."""
+    """Path that a picture can be written to."""
     from ..report.figures import PICTURES
 
     if target.suffix not in PICTURES:
@@ -45,7 +47,7 @@ def picture_file(target: Path) -> Path:
 
 
 def save_as_asked(dataset, draw, target: Path) -> None:
-    """The data or their picture, as the file's suffix says."""
+    """Write the data or their picture, as the file's suffix says."""
     from ..analysis.results import write
     from ..report.figures import save
 
@@ -58,7 +60,7 @@ def save_as_asked(dataset, draw, target: Path) -> None:
 
 @contextmanager
 def progress():
-    """A bar with the time left on a terminal; plain lines elsewhere."""
+    """Progress bar with the time left on a terminal; plain lines elsewhere."""
     if not sys.stderr.isatty():
         yield _plain_progress()
         return

@@ -1,4 +1,4 @@
-"""The commands about structures: modes, FRFs, fits, coupled runs."""
+"""Commands about structures: modes, FRFs, fits, coupled runs."""
 
 from __future__ import annotations
 
@@ -13,6 +13,9 @@ from .common import ConfigArgument, one_line_errors, progress, save_as_asked, wr
 if TYPE_CHECKING:
     from ..config.study import Config
     from ..modal.modes import Modes
+
+MOST_REFUSED = 12
+"""Fits that a command says why it left out."""
 
 app = typer.Typer()
 
@@ -32,7 +35,7 @@ def modes(
 
     with one_line_errors():
         from ..config.build import particle_mass
-        from ..modal.from_config import modes as own_modes
+        from ..modal.from_config import modes as structure_modes
         from ..report.tables import modes_table
         from ..study.several import every_damper, modes_of_all
         from ..sweep.cases import Cases
@@ -48,17 +51,17 @@ def modes(
             if output:
                 _write_modes(seen[0], output, checked.title)
             return
-        every = [point.config for point in Cases(checked).points() if point.config]
-        masses = {particle_mass(single) for single in every}
+        configs = [point.config for point in Cases(checked).points() if point.config]
+        masses = {particle_mass(single) for single in configs}
         if not checked.structure.particles_included:
             masses.add(0.0)
-        found = {m: own_modes(every[0], particles=m) for m in sorted(masses)}
+        modes_by_mass = {m: structure_modes(configs[0], particles=m) for m in sorted(masses)}
         if output:
-            _write_modes(found[max(masses)], output, checked.title)
+            _write_modes(modes_by_mass[max(masses)], output, checked.title)
     console = Console()
-    for particles, own in found.items():
+    for particles, loaded in modes_by_mass.items():
         console.print(f"with {1e3 * particles:.2f} g of particles", highlight=False)
-        console.print(modes_table(own))
+        console.print(modes_table(loaded))
 
 
 def _show_dampers(alone: list[Config], seen: list[Modes]) -> None:
@@ -77,7 +80,7 @@ def _show_dampers(alone: list[Config], seen: list[Modes]) -> None:
 
 
 def _write_modes(modes: Modes, path: Path, title: str) -> None:
-    """A picture, a table or a universal file, as the suffix says."""
+    """Write modes as a picture, a table or a universal file, as the suffix says."""
     from ..modal.export import export
     from ..report.figures import PICTURES, save
     from ..report.mode_shapes import shapes
@@ -155,21 +158,36 @@ def frf(
         target = output or file.with_name(f"{file.stem}-frf.png")
         dataset = response.chosen(read(file), at or [])
         if constant_force:
-            found, draw = response.constant_force(dataset, constant_force, band), force_curves
+            result, draw = response.constant_force(dataset, constant_force, band), force_curves
         else:
-            found, draw = response.accelerance(dataset, band=band), families
-        save_as_asked(found, draw, target)
+            result, draw = response.accelerance(dataset, band=band), families
+        save_as_asked(result, draw, target)
     print(target)
 
 
 @app.command()
 def fit(
-    file: Annotated[Path, typer.Argument(help="FRF: .nc of `warpdamp frf`, .csv, .uff.", metavar="FRF")],
+    file: Annotated[
+        Path, typer.Argument(help="FRF: .nc of `warpdamp frf`, table (.csv, .txt), universal file.", metavar="FRF")
+    ],
     near: Annotated[
         list[float] | None,
         typer.Option(help="Frequency near a mode's peak [Hz]; may be repeated (default: every peak)."),
     ] = None,
+    damping: Annotated[str, typer.Option(help="Of the modes that are fitted: structural or viscous.")] = "structural",
     at: Annotated[list[str] | None, typer.Option(help="Which of several FRFs, as level=2.")] = None,
+    response: Annotated[
+        str | None, typer.Option(help="Node and direction of the response, in a universal file of several, as 2z.")
+    ] = None,
+    reference: Annotated[str | None, typer.Option(help="Node and direction of the force, as 1z.")] = None,
+    number: Annotated[int | None, typer.Option(help="Place of the function in the universal file, from 1.")] = None,
+    every: Annotated[bool, typer.Option("--all", help="Every FRF of the universal file.")] = False,
+    ordinate: Annotated[
+        str | None, typer.Option(help="accelerance, mobility or receptance, where the file does not say.")
+    ] = None,
+    units: Annotated[
+        str | None, typer.Option(help="Of response over force, as 'g/lbf', where the file does not say.")
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help=".nc for the data, .png for a picture over Gamma.")
     ] = None,
@@ -179,16 +197,23 @@ def fit(
 
     with one_line_errors():
         from ..modal.frf import chosen
-        from ..modal.identify import fits, read_frf
+        from ..modal.frf_file import read_frf
+        from ..modal.identify import fits
         from ..report.frf import fitted_curves
         from ..report.tables import fits_table
 
-        found = fits(chosen(read_frf(file), at or []), near)
+        choice = {"response": response, "reference": reference, "number": number, "every": every}
+        frf = chosen(read_frf(file, **choice, ordinate=ordinate, units=units), at or [])
+        found = fits(frf, near, damping=damping)
         if output:
             if output.suffix != ".nc" and "gamma" not in found.dims:
-                raise UsageError(f"{output}: one FRF has nothing to draw over Gamma: name a file that ends in .nc")
+                raise UsageError(f"{output}: there is nothing to draw over Gamma: name a file that ends in .nc")
             save_as_asked(found, fitted_curves, output)
     console = Console()
+    if "read_as" in found.attrs:
+        console.print(f"{file}: {found.attrs['read_as']}", highlight=False, markup=False)
     console.print(fits_table(found))
-    for line in found.attrs["refused"]:
-        console.print(line, highlight=False)
+    for line in found.attrs["refused"][:MOST_REFUSED]:
+        console.print(f"not fitted: {line}", highlight=False, markup=False)
+    if (more := len(found.attrs["refused"]) - MOST_REFUSED) > 0:
+        console.print(f"and {more} others", highlight=False)

@@ -1,4 +1,4 @@
-"""What the models of the configuration are made of."""
+"""Base class and common constraints of the configuration's models."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a configuration of single values to what is simulated."""
+"""Construction of scene, particles and drive from a configuration of single values."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .study import Config
 
 
 def as_list(value) -> list:
-    """A swept scalar's values, whether one or a list."""
+    """List of a swept scalar's values, whether one or a list is given."""
     return list(value) if isinstance(value, list) else [value]
 
 
@@ -30,21 +30,21 @@ def _species(config: Config) -> list[str]:
 
 
 def material(config: Config, name: str) -> Material:
-    """A named material of a configuration without lists."""
+    """Material of that name in a configuration without lists."""
     return Material(**config.materials[name].model_dump())
 
 
 def scene(config: Config) -> Scene:
-    """The scene of a configuration without lists, enclosure at rest."""
+    """Scene of a configuration without lists, enclosure at rest."""
     contact, cavity, names = config.contact, config.damper.enclosure, _species(config)
 
-    def surface(one: str, other: str) -> Surface:
-        given = contact.pairs.get(f"{one} with {other}") or contact.pairs.get(f"{other} with {one}")
-        given = given or (contact.walls if other == WALLS and contact.walls else contact)
+    def surface(first: str, second: str) -> Surface:
+        given = contact.pairs.get(f"{first} with {second}") or contact.pairs.get(f"{second} with {first}")
+        given = given or (contact.walls if second == WALLS and contact.walls else contact)
         return Surface(given.restitution, given.friction, given.rolling_friction)
 
-    pairs = tuple(tuple(surface(one, other) for other in names) for one in names)
-    walls = tuple(surface(one, WALLS) for one in names)
+    pairs = tuple(tuple(surface(first, second) for second in names) for first in names)
+    walls = tuple(surface(first, WALLS) for first in names)
     materials = tuple(material(config, name) for name in names)
     alone = len(names) == 1
     return Scene(
@@ -58,10 +58,10 @@ def scene(config: Config) -> Scene:
 
 
 def drive(config: Config, frequency: float, gamma: float) -> Drive:
-    """With acceleration amplitude Gamma g."""
+    """Drive of a configuration with acceleration amplitude Gamma g."""
     return Drive(frequency, gamma * STANDARD_GRAVITY, config.excitation.direction)
 
 
 def particle_mass(config: Config) -> float:
-    """Of all particles of a configuration without lists [kg]."""
+    """Mass of all particles of a configuration without lists [kg]."""
     return float(np.sum(scene(config).masses(grains(config))))

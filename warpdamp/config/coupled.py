@@ -62,7 +62,7 @@ def _rising(table: list[tuple[float, float]]) -> None:
 
 
 class Band(Model):
-    """From one frequency to another."""
+    """Frequency band [Hz]."""
 
     model_config = ConfigDict(populate_by_name=True)
 
@@ -71,20 +71,20 @@ class Band(Model):
 
 
 class HarmonicConfig(Model):
-    """A sin(2 pi f t)."""
+    """Harmonic force A sin(2 pi f t)."""
 
     amplitude: Newtons
     frequency: Hertz
 
 
 class SweptConfig(Band):
-    """A sine whose frequency goes from one to the other at a constant rate, either way, over the whole run."""
+    """Swept sine: its frequency changes at a constant rate, up or down, over the whole run."""
 
     amplitude: Newtons
 
 
 class RandomConfig(Model):
-    """Normal noise, the same for the same seed: flat in a band, or of a power spectral density (N^2/Hz)."""
+    """Random force: normal noise, equal for equal seeds, flat in a band or of a power spectral density [N^2/Hz]."""
 
     model_config = ConfigDict(populate_by_name=True)
 
@@ -109,7 +109,7 @@ class RandomConfig(Model):
 
 
 class RecordedConfig(Model):
-    """A CSV file, evenly spaced from time 0, with the column time_s, and force_N or an acceleration.
+    """Recorded signal: a CSV file, evenly spaced from time 0, with the column time_s, and force_N or an acceleration.
 
     The acceleration of a base is called acceleration_m_s2 or acceleration_g.  After the record there is nothing more.
     """
@@ -151,7 +151,7 @@ class BaseRandomConfig(Model):
 
 
 class ReleaseConfig(Model):
-    """Let go at rest from where free vibration of one mode would have the acceleration amplitude gamma g."""
+    """Release at rest from where free vibration of one mode would have the acceleration amplitude gamma g."""
 
     gamma: Gamma
     mode: Annotated[StrictInt, Field(ge=1)]
@@ -182,7 +182,7 @@ class BaseConfig(Model):
 
 
 class CoupledConfig(Model):
-    """Runs in which the structure answers: exactly one force, the motion of its base, or a release.
+    """Coupled runs, in which the structure answers: exactly one force, the motion of its base, or a release.
 
     ``levels`` multiply the force, the base's acceleration, or the release: a run each.
     """
@@ -203,10 +203,10 @@ class CoupledConfig(Model):
 
     @property
     def source(self) -> str:
-        """The key that says what moves the structure, as ``release`` or ``base.harmonic``."""
+        """Key that says what moves the structure, as ``release`` or ``base.harmonic``."""
         names = (*SIGNALS, "release") if self.base is None else SIGNALS
-        own = next(name for name in names if getattr(self.signals, name) is not None)
-        return own if self.base is None else f"base.{own}"
+        key = next(name for name in names if getattr(self.signals, name) is not None)
+        return key if self.base is None else f"base.{key}"
 
     @model_validator(mode="after")
     def _one_source(self):

@@ -22,24 +22,25 @@ WALLS = "walls"
 
 def _swept(kind, *constraints):
     """One value, or a list or range of different ones that becomes an axis."""
-    one = Annotated[kind, *constraints]
-    some = one | Annotated[list[one], Field(min_length=1)]
-    read = TypeAdapter(kind).validate_python
+    scalar = Annotated[kind, *constraints]
+    scalar_or_list = scalar | Annotated[list[scalar], Field(min_length=1)]
 
     def spread(value):
-        return Range.model_validate(value).spread(read) if isinstance(value, dict) else value
+        if not isinstance(value, dict):
+            return value
+        return Range.model_validate(value).spread(TypeAdapter(kind).validate_python)
 
-    return Annotated[some, BeforeValidator(spread, json_schema_input_type=some | Range)]
+    return Annotated[scalar_or_list, BeforeValidator(spread, json_schema_input_type=scalar_or_list | Range)]
 
 
 def between(key: str) -> tuple[str, str]:
-    """The two materials, or a material and the walls, that a key of ``contact.pairs`` names."""
-    one, _, other = key.partition(" with ")
-    return one.strip(), other.strip()
+    """Pair of materials, or a material and the walls, that a key of ``contact.pairs`` names."""
+    first, _, second = key.partition(" with ")
+    return first.strip(), second.strip()
 
 
 class MaterialConfig(Model):
-    """An isotropic elastic material."""
+    """Isotropic elastic material."""
 
     density: _swept(Density, _positive)
     youngs_modulus: _swept(Pressure, _positive)
@@ -47,7 +48,7 @@ class MaterialConfig(Model):
 
 
 class SurfaceConfig(Model):
-    """Restitution, sliding friction and rolling friction of a contact."""
+    """Surface pairing: restitution, sliding friction and rolling friction."""
 
     restitution: _swept(Number, Field(ge=0, le=1))
     friction: _swept(Number, _not_negative)
@@ -55,7 +56,7 @@ class SurfaceConfig(Model):
 
 
 class ContactConfig(SurfaceConfig):
-    """Of particles with each other and, unless ``walls`` says otherwise, with the walls.
+    """Contact of particles with each other and, unless ``walls`` says otherwise, with the walls.
 
     ``pairs`` has the surfaces of a mixture that differ, as ``steel with pmma`` and ``steel with walls``.
     """
@@ -65,7 +66,7 @@ class ContactConfig(SurfaceConfig):
 
 
 class EnclosureConfig(Model):
-    """A cylindrical cavity; a wall set to false is not there (``lid: false``, an open cup whose side has no end)."""
+    """Cylindrical cavity; a wall set to false is absent (``lid: false``: an open cup whose side has no end)."""
 
     diameter: Annotated[Length, _positive]
     height: Annotated[Length, _positive]
@@ -75,7 +76,7 @@ class EnclosureConfig(Model):
     lid: bool = True
 
     def open_towards(self, direction) -> dict[str, bool]:
-        """Of each wall, whether it is missing though a fall along ``direction`` ends there."""
+        """Walls that are absent though a fall along ``direction`` ends there, as {name: whether}."""
         x, y, z = direction
         return {
             "floor": z < 0 and not self.floor,
@@ -99,7 +100,7 @@ class LognormalSizes(Model):
 
 
 class SizesConfig(Model):
-    """A distribution of radii, one of the four.
+    """Distribution of radii, one of the four.
 
     Particles get the radii at the middle of equal parts of the distribution: every seed has the same particles, in
     other places.
@@ -121,7 +122,7 @@ class SizesConfig(Model):
         return self
 
     def radii(self, count: int) -> np.ndarray:
-        """Of ``count`` particles [m]."""
+        """Radii of ``count`` particles, (count,) [m]."""
         from scipy.special import ndtri
 
         part = (np.arange(count) + 0.5) / count
@@ -154,25 +155,25 @@ class ParticlesConfig(Model):
         return self
 
     def radii(self) -> np.ndarray:
-        """Of each particle [m]."""
+        """Radii of the particles, (count,) [m]."""
         return (
             self.radius.radii(self.count) if isinstance(self.radius, SizesConfig) else np.full(self.count, self.radius)
         )
 
 
 class DamperConfig(Model):
-    """The cavity and what is in it: equal particles, or a list of components of a mixture."""
+    """Damper: the cavity, and equal particles or a list of components of a mixture."""
 
     enclosure: EnclosureConfig
     particles: ParticlesConfig | Annotated[list[ParticlesConfig], Field(min_length=1)]
 
     @property
     def mixture(self) -> list[ParticlesConfig]:
-        """The components, one or more."""
+        """Components of the mixture, one or more."""
         return self.particles if isinstance(self.particles, list) else [self.particles]
 
     def materials(self, place: str = "damper") -> dict[str, str]:
-        """The materials named, by their keys; ``place`` is that of the damper."""
+        """Names of the materials, by the keys that name them, below the damper's own (``place``)."""
         keys = (
             [f"particles.{k}" for k in range(len(self.mixture))] if isinstance(self.particles, list) else ["particles"]
         )
@@ -252,12 +253,12 @@ _Switches = create_model(
 
 
 class EffectsConfig(_Switches):
-    """Effects forced on or off, whatever the scene calls for; ``ledger`` says it of the channels of losses."""
+    """Effects forced on or off, whatever the scene requires; ``ledger``: losses by channel, or totals."""
 
     ledger: Literal["channels", "totals"] = "channels"
 
     def forced(self) -> tuple[tuple[str, bool], ...]:
-        """As sorted pairs (name, whether)."""
+        """Forced effects as sorted pairs (name, whether on)."""
         chosen = {name: value for name, value in vars(self).items() if name != "ledger" and value is not None}
         if self.ledger == "totals":
             chosen["channels"] = False

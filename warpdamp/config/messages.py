@@ -1,16 +1,22 @@
-"""What is wrong with a configuration, in words, at its place in the file."""
+"""Messages of configuration errors, each with its place in the file."""
 
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterator
 from typing import get_args
 
 from pydantic import BaseModel
 
+DECIMALS = re.compile(r"\d+(?:[eE][-+]?\d+)?(?:\s*[^\W\d].*)?")
+"""What is left of a number behind its comma, with its unit: 52, 73 mm."""
+_WITH_COMMA = r"-?\d+,\d+(?:\s*[^\W\d][^,\[\]{}\n]*)?"
+_LISTED = re.compile(rf"\[\s*{_WITH_COMMA}(?:,\s+{_WITH_COMMA})+\s*\]")
+
 
 def keys(data, loc) -> list:
-    """The part of a pydantic location that exists in the YAML tree (unions add names of their own)."""
+    """Part of a pydantic location that exists in the YAML tree (unions add names of their own)."""
     keys, node = [], data
     for part in loc:
         if isinstance(node, dict) and part in node:
@@ -23,7 +29,7 @@ def keys(data, loc) -> list:
 
 
 def place(data, loc) -> str:
-    """line:column of the innermost key of a location."""
+    """Place of the innermost key of a location, as line:column."""
     node, place = data, (0, 0)
     for key in keys(data, loc):
         place = node.lc.item(key) if isinstance(key, int) else node.lc.key(key)
@@ -31,14 +37,22 @@ def place(data, loc) -> str:
     return f"{place[0] + 1}:{place[1] + 1}"
 
 
-def telling(errors, data, root):
-    """The errors worth a line: one a place, the most telling branch of a union, no echo of a misspelt key."""
+def decimal_commas(text: str) -> tuple[int, int, str] | None:
+    """Line, column and text of the first list whose every number has a decimal comma, as [0,5, 1,7]."""
+    for number, line in enumerate(text.split("\n"), 1):
+        if found := _LISTED.search(line.partition("#")[0]):
+            return number, found.start() + 1, found[0]
+    return None
+
+
+def relevant(errors, data, root):
+    """The errors worth a line: one a place, the most relevant branch of a union, no echo of a misspelt key."""
     best: dict = {}
-    for error in errors:
+    for error in map(lambda error: _decimal_comma(error, data), errors):
         ours = len(error["loc"]) - (error["type"] == "extra_forbidden")  # an unknown key may look like a union's name
         loc = tuple(part for k, part in enumerate(error["loc"]) if k >= ours or not _is_union_name(part))
         loc, message = _pointed(loc, error["msg"].removeprefix("Value error, "), data)
-        rank = error["type"] in ("list_type", "literal_error")
+        rank = {"decimal_comma": -1, "list_type": 1, "literal_error": 1}.get(error["type"], 0)
         if loc not in best or rank < best[loc][0]:
             best[loc] = (rank, error | {"loc": loc, "msg": message})
     misspelt = {
@@ -52,6 +66,23 @@ def telling(errors, data, root):
         if not (error["type"] == "missing" and loc in misspelt)
         and not (loc and any(other != loc and other[: len(loc)] == loc for other in best))
     ]
+
+
+def _decimal_comma(error, data):
+    """The error in its own words where YAML made two entries of a decimal comma: {restitution: 0,52, friction: 1}."""
+    *above, last = error["loc"] or ("",)
+    if error["type"] != "extra_forbidden" or not DECIMALS.fullmatch(str(last)):
+        return error
+    parent = data
+    for key in keys(data, above):
+        parent = parent[key]
+    names = [str(key) for key in parent] if isinstance(parent, dict) else []
+    place = names.index(last) if last in names else 0
+    before = parent[list(parent)[place - 1]] if place else None
+    if not isinstance(before, int) or list(parent.values())[place] is not None:
+        return error
+    said = f"'{before}' and then '{last}': YAML reads a comma as the next entry: write a decimal point"
+    return error | {"type": "decimal_comma", "loc": (*above, names[place - 1]), "msg": said}
 
 
 def _pointed(loc, message, data):
@@ -68,7 +99,7 @@ def _is_union_name(part) -> bool:
 
 
 def explained(error, root) -> str:
-    """A pydantic error in our words."""
+    """Message of a pydantic error in this project's words."""
     key = ".".join(str(part) for part in error["loc"])
     kind, given = error["type"], error.get("input")
     if kind == "extra_forbidden":
@@ -82,7 +113,7 @@ def explained(error, root) -> str:
         message = f"expected keys below it, got {given!r}"
     elif kind in ("tuple_type", "list_type"):
         message = f"expected a list, as [a, b], got {given!r}"
-    elif kind != "value_error":
+    elif kind not in ("value_error", "decimal_comma"):
         message = f"{message[0].lower()}{message[1:]}, got {given!r}"
     return f"{key}: {message}" if key else message
 
@@ -98,7 +129,7 @@ def _known_keys(root: type[BaseModel], loc) -> list[str]:
 
 
 def _models(annotation) -> Iterator[type[BaseModel]]:
-    """The models that an annotation is made of."""
+    """Models that an annotation refers to."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for part in get_args(annotation):
@@ -110,11 +141,11 @@ def _closest(name, known) -> str | None:
 
 
 def suggestion(name, known) -> str:
-    """The end of a sentence about a name that is not known."""
+    """End of a sentence about an unknown name: the closest known one, or all of them."""
     close = _closest(name, known)
     return f"; did you mean '{close}'?" if close else f"; choose from {', '.join(known)}"
 
 
 def printable(line: str) -> str:
-    """The line with whatever would break it, or not show, spelt out."""
+    """Line with unprintable characters and line breaks spelt out."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)

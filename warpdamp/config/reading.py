@@ -1,15 +1,16 @@
-"""A YAML file read and validated, and a configuration written back."""
+"""Reading and validation of a YAML file, and YAML of a configuration."""
 
 from __future__ import annotations
 
 import io
+import re
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from ..errors import ConfigError
-from .messages import explained, place, printable, telling
+from .messages import decimal_commas, explained, place, printable, relevant
 from .study import Config
 
 
@@ -26,7 +27,7 @@ def read(path) -> Config:
     try:
         config = Config.model_validate(_plain(data))
     except ValidationError as error:
-        errors = telling(error.errors(), data, Config)
+        errors = relevant(error.errors(), data, Config)
         lines = [f"{path}:{place(data, e['loc'])}: {explained(e, Config)}" for e in errors]
         raise ConfigError("\n".join(map(printable, lines))) from None
     config._source = (path, data)
@@ -34,7 +35,7 @@ def read(path) -> Config:
 
 
 def resolved_yaml(config: Config) -> str:
-    """The configuration with every default filled in, in SI, as YAML."""
+    """YAML of a configuration with every default filled in, in SI."""
     from ruamel.yaml import YAML
 
     text = io.StringIO()
@@ -57,11 +58,18 @@ def _read(path: Path):
         data = YAML(typ="rt").load(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        raise ConfigError(printable(f"{path}:{mark.line + 1}:{mark.column + 1}: not YAML: {error.problem}")) from None
+        problem = error.problem
+        if found := re.match(r'found duplicate key "(\d+)" with value "None"', problem or ""):
+            problem += f"; if {found[1]} stands behind a decimal comma, write a decimal point"
+        raise ConfigError(printable(f"{path}:{mark.line + 1}:{mark.column + 1}: not YAML: {problem}")) from None
     except (YAMLError, ValueError) as error:
         raise ConfigError(printable(f"{path}: not YAML: {' '.join(str(error).split())}")) from None
     if not isinstance(data, dict):
         raise ConfigError(f"{path}:1:1: not a warpdamp configuration: expected keys such as 'damper:' at the top level")
+    if found := decimal_commas(text):
+        line, column, listed = found
+        said = f"{listed} has decimal commas, which separate values in YAML: write decimal points"
+        raise ConfigError(printable(f"{path}:{line}:{column}: {said}"))
     return data
 
 

@@ -15,7 +15,7 @@ Support = Literal["clamped", "pinned", "free"]
 Direction = Literal["x", "y", "z"] | Annotated[list[Number], Field(min_length=3, max_length=3)]
 MeshUnit = Annotated[Length, POSITIVE]
 ModeNumber = Annotated[StrictInt, Field(ge=1)]
-Damping = Annotated[Number, NOT_NEGATIVE]
+Damping = Annotated[Number, Field(ge=0, lt=1)]
 Participation = quantity("kg^0.5")
 
 
@@ -127,9 +127,9 @@ PLACES = ("point_mass", "node", "position", "amplitude")
 
 
 class ModeFileConfig(Model):
-    """Modes from a UFF or CSV file, and where on it the damper sits.
+    """Modes from a file (UFF, CSV, Nastran's .f06 or .pch, Ansys's .rst), and where on it the damper sits.
 
-    ``participation``: of each of them, positive where base and damper move the same way.
+    ``participation``: one factor for each of them, positive where base and damper move the same way.
     """
 
     file: str
@@ -138,7 +138,7 @@ class ModeFileConfig(Model):
     direction: Direction = "z"
     modal_mass: Annotated[Mass, POSITIVE] | list[Annotated[Mass, POSITIVE]] | None = None
     participation: list[Participation] | None = None
-    units: Literal["SI", "BG", "MG", "BA", "MM", "CM", "IN", "GM"] | None = None
+    units: Literal["SI", "BG", "MG", "BA", "MM", "CM", "IN", "GM", "MM-N"] | None = None
 
     @model_validator(mode="after")
     def _one_place(self):
@@ -193,7 +193,7 @@ class StructureConfig(Model):
 
     @property
     def source(self) -> str:
-        """The key that says where the modes come from."""
+        """Key that says where the modes come from."""
         return next(name for name in SOURCES if getattr(self, name) is not None)
 
     @property
@@ -207,7 +207,7 @@ class StructureConfig(Model):
         return getattr(self, self.source).material if self.computed else None
 
     def found_from(self, folder: Path) -> StructureConfig:
-        """The same with paths of its files that start at ``folder``, where they are not whole already."""
+        """Section with absolute paths of its files; relative ones start at ``folder``."""
         own = getattr(self, self.source)
         if self.source == "beam" and own.section:
             section = own.section.model_copy(update={"file": str(folder / own.section.file)})
@@ -293,7 +293,7 @@ def check_further(structure: StructureConfig, place: str, damper: FurtherDamperC
 
 
 def _check_place(structure: StructureConfig, place: str, mass: PointMassConfig) -> None:
-    """A mass has the coordinates that its structure calls for, and sits where it can move."""
+    """Check that a mass has the coordinates of its structure, and sits where it can move."""
     source = structure.source
     position = mass.position if isinstance(mass.position, list) else [mass.position]
     if len(position) != COORDINATES[source]:

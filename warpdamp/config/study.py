@@ -25,7 +25,7 @@ from .sweep import SweepConfig
 
 
 class SteadyConfig(Model):
-    """When a case is done.  ``paper``: fixed times, 0.2 s of settling and 0.3 s of shaking, for comparison."""
+    """End of a case.  ``paper``: fixed times, 0.2 s of settling and 0.3 s of shaking, for comparison."""
 
     recipe: Literal["detect", "paper"] = "detect"
     standard_error: Annotated[Number, _positive] = 0.02
@@ -40,7 +40,7 @@ class SteadyConfig(Model):
 
 
 class AccuracyConfig(Model):
-    """Accuracy bought: the runner chooses the step, how long each case runs, and how many packings a point gets.
+    """Accuracy asked for; the step, the length of each case and the packings of a point follow from it.
 
     ``tolerance`` is the standard error of the energy per cycle with all its parts.
     """
@@ -67,7 +67,7 @@ class NumericsConfig(Model):
 
 
 class Config(Model):
-    """A study: a damper, how it is shaken, and the structure it sits on."""
+    """Study: a damper, its excitation, and the structure it sits on."""
 
     title: str = "Granular damper"
     structure: StructureConfig | None = None
@@ -91,21 +91,21 @@ class Config(Model):
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 
     def error(self, key: str | tuple, message: str) -> ConfigError:
-        """An error at a key (dotted, or as a tuple), with file, line and column where the configuration has a file."""
+        """Error at a key (dotted, or as a tuple), with file, line and column if the configuration has a file."""
         parts = tuple(key.split(".")) if isinstance(key, str) else key
-        said = f"{'.'.join(map(str, parts))}: {message}"
+        text = f"{'.'.join(map(str, parts))}: {message}"
         if self._source is None:
-            return ConfigError(said)
+            return ConfigError(text)
         path, data = self._source
-        return ConfigError(printable(f"{path}:{place(data, parts)}: {said}"))
+        return ConfigError(printable(f"{path}:{place(data, parts)}: {text}"))
 
     @property
     def folder(self) -> Path:
-        """Where files that the configuration names are looked for: its own folder."""
+        """Folder in which files that the configuration names are looked for: its own."""
         return self._source[0].parent if self._source else Path()
 
     def line(self, key: str) -> int | None:
-        """Line of a dotted key in the file that the configuration came from; None where it does not say it."""
+        """Line of a dotted key in the configuration's file; None if the file does not contain it."""
         if self._source is None:
             return None
         data, parts = self._source[1], key.split(".")
@@ -116,16 +116,16 @@ class Config(Model):
         named = self.damper.materials()
         for k, damper in enumerate(self.dampers):
             named |= damper.materials(f"dampers.{k}")
-        own = self.structure.material if self.structure else None
-        if own:
-            named[f"structure.{self.structure.source}.material"] = own
+        material = self.structure.material if self.structure else None
+        if material:
+            named[f"structure.{self.structure.source}.material"] = material
         for where, name in named.items():
             if name not in self.materials:
                 raise ValueError(f"{where}: there is no material '{name}'{suggestion(name, self.materials)}")
         for name in self.materials:
             if name not in named.values():
                 raise ValueError(f"materials.{name}: is not used by anything")
-        if own and any(isinstance(value, list) for value in vars(self.materials[own]).values()):
+        if material and any(isinstance(value, list) for value in vars(self.materials[material]).values()):
             raise ValueError(f"structure.{self.structure.source}.material: the structure's material cannot be swept")
         if self.excitation.frequency == "modes" and not self.structure:
             raise ValueError("excitation.frequency: 'modes' needs a structure; give frequencies, as [46 Hz, 100 Hz]")
@@ -168,4 +168,4 @@ class Config(Model):
 
 
 PRESETS = {"fast": 0.05, "balanced": 0.03, "reference": 0.02}
-"""Tolerances by name; what they choose, and that they err by 3.0, 1.3 and 1.4 %, is in docs/accuracy.md."""
+"""Tolerances by name; their settings, and their errors of 3.0, 1.3 and 1.4 %, are in docs/accuracy.md."""

@@ -17,7 +17,7 @@ class _Model(BaseModel):
 
 
 class Range(_Model):
-    """``n`` values from one end to the other, evenly (``from``, ``to``) or in equal ratios (``log``)."""
+    """Range of ``n`` values, evenly spaced (``from``, ``to``) or in equal ratios (``log``)."""
 
     from_: Quantity | None = Field(default=None, alias="from")
     to: Quantity | None = None
@@ -34,11 +34,11 @@ class Range(_Model):
 
     @property
     def ends(self) -> tuple:
-        """First and last, as written."""
+        """First and last value, as written."""
         return self.log or (self.from_, self.to)
 
     def spread(self, read: Callable[[Any], float]) -> list:
-        """The values, once ``read`` has made numbers of the ends.
+        """Values of the range, once ``read`` has made numbers of the ends.
 
         Raises
         ------
@@ -76,7 +76,7 @@ def _check_ends(first, last) -> None:
 
 
 def _alike(values, first, last) -> list:
-    """Whole numbers where both ends are."""
+    """Values as whole numbers if both ends are."""
     if isinstance(first, int) and isinstance(last, int):
         return [round(v) for v in values.tolist()]
     return values.tolist()
@@ -86,13 +86,13 @@ Values = Annotated[list[Scalar], Field(min_length=1)] | Range
 
 
 class Span(_Model):
-    """Where samples lie, evenly in the logarithm."""
+    """Interval of samples, evenly distributed in the logarithm."""
 
     log: tuple[Quantity, Quantity]
 
 
 class SampleConfig(_Model):
-    """``n`` points spread over the ranges of several scalars."""
+    """Sample of ``n`` points over the ranges of several scalars."""
 
     method: Literal["sobol", "latin_hypercube"] = "sobol"
     n: Annotated[StrictInt, Field(ge=1, le=10_000_000)]
@@ -101,7 +101,7 @@ class SampleConfig(_Model):
 
 
 class Between(_Model):
-    """Values from one to another, both included."""
+    """Closed interval of values."""
 
     from_: Quantity = Field(alias="from")
     to: Quantity

@@ -1,1 +1,1 @@
-"""A structure that answers its particles step by step: forces, runs, and what an experimenter would read off them."""
+"""Coupled runs: forces on a structure that answers its particles, and what an experimenter identifies from them."""

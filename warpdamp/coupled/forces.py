@@ -88,7 +88,7 @@ def recorded(path: Path, columns: dict[str, float]) -> tuple[np.ndarray, float]:
 
 
 def moments(signal: Signal, duration: float) -> np.ndarray:
-    """When a signal is worth looking at, evenly spaced [s]: at its samples, or often enough to see it swing."""
+    """Times at which to evaluate a signal, evenly spaced [s]: its samples, or often enough to resolve its cycle."""
     if signal.samples is not None:
         return np.arange(len(signal.samples)) * signal.sample_step
     rate = SAMPLES * signal.frequency
@@ -96,7 +96,7 @@ def moments(signal: Signal, duration: float) -> np.ndarray:
 
 
 def applied(signal: Signal, time: np.ndarray) -> np.ndarray:
-    """A signal at given moments."""
+    """Signal at given times, (n,) in its unit."""
     whole = signal.amplitude * np.sin(2 * np.pi * signal.frequency * time) if signal.amplitude else np.zeros(len(time))
     if signal.samples is not None:
         whole += np.interp(time, moments(signal, time[-1]), signal.samples)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Identified:
-    """A mode as it answers at one amplitude.
+    """Mode identified at one amplitude.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Identified:
 
 
 def mount_of(modes: Modes, damping, **start) -> Mount:
-    """The mount that modes without particles make, with their inherent damping ratios; ``start`` as of ``Mount``."""
+    """Mount of modes without particles, with their inherent damping ratios; ``start`` as of ``Mount``."""
     gammas = () if modes.participation is None else modes.participation @ np.asarray(modes.direction)
     return Mount(
         tuple(map(float, modes.frequency)),
@@ -47,12 +47,12 @@ def mount_of(modes: Modes, damping, **start) -> Mount:
 
 
 def first_harmonic(time, values, frequency: float) -> complex:
-    """V of the part Re(V exp(j w t)) in whole cycles of evenly spaced records."""
+    """Amplitude V of the part Re(V exp(j w t)) in whole cycles of evenly spaced records."""
     return complex(2 * np.mean(values * np.exp(-2j * math.pi * frequency * time)))
 
 
 def from_response(records: np.ndarray, mount: Mount, cycles: int) -> list[Identified]:
-    """Read the steady response of a mount of one mode to its harmonic signal, window by window.
+    """Identify a mode from its steady response to a harmonic signal, window by window.
 
     X / S = phi load / (w_n^2 - w^2 + 2 j zeta w_n w) of an equivalent linear mode is solved for w_n and zeta; where a
     transient has no such mode they are NaN.  Early windows are of the transient: the reader chooses.
@@ -84,7 +84,7 @@ def from_response(records: np.ndarray, mount: Mount, cycles: int) -> list[Identi
 
 
 def from_decay(records: np.ndarray) -> list[Identified]:
-    """Read a decay, swing by swing: the logarithmic decrement between successive swings.
+    """Identify a mode from a decay, swing by swing: the logarithmic decrement between successive swings.
 
     A swing goes from a maximum to the next minimum, so that the particles' weight, which shifts both, does not count.
     """

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Run:
-    """One run: a bed in a scene with its mount.
+    """Coupled run: a bed in a scene with its mount.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class Run:
 
 
 def simulate(config: Config, executor: Executor, report: Callable[[float], None] = lambda done: None) -> xr.Dataset:
-    """All runs that the section ``coupled`` of a configuration asks for: its levels, and a bed for each seed.
+    """Simulate the coupled runs of a configuration: its levels, and a bed for each seed.
 
     Returns
     -------

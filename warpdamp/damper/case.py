@@ -1,4 +1,4 @@
-"""What a bed and a case depend on, and the recipe by which beds are compacted."""
+"""Inputs of a bed and of a case, and the recipe by which beds are compacted."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import math
 from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
+from ..errors import PackingError
 from ..numerics.timestep import STEPS_PER_CONTACT, Numerics
 from ..scene.effects import Effects, called_for
 from ..scene.particles import Grains
@@ -20,35 +21,33 @@ Preparation = Literal["loose", "compacted"]
 GROWN = 1.003
 """Beds are made with radii this much larger, so that the true ones start apart and release no energy."""
 
-
 SHAKING_GAMMA = 6.0
+SHAKING_AMPLITUDE, SHAKING_CYCLES = 0.22, 12  # of a diameter, without friction
+KEEPING_AMPLITUDE, KEEPING_CYCLES = 0.1, 4  # of a diameter, with friction
+WINDOW, MOST_BLOCKS = 2, 20
+STILL = 0.02  # of a diameter
+SOFT_OVERLAP = 0.02  # of the reduced radius
 
+REACHED = 5e-5
+"""A clearance asked for is reached within this [m]."""
 
-SHAKING_AMPLITUDE = 0.1  # of a diameter
+MOST_TRIES = 60
+"""Blocks of shaking after which a bed that has not the clearance asked for is left as near as it came."""
 
+MILDER, MILDEST = 0.9, 1.5
+"""Part of Gamma that is kept after shaking with friction that led beyond the clearance asked for, and the Gamma below
+which shaking hardly changes a bed."""
 
-BLOCK = 20  # cycles
-
-
-WINDOW = 10  # blocks
-
-
-STILL = 0.0025  # of a diameter
-
-
-FEWEST_BLOCKS, MOST_BLOCKS = 30, 60
-
-
-FEWEST_BLOCKS, MOST_BLOCKS = 30, 60
-
-
-RECIPE = (GROWN, SHAKING_GAMMA, SHAKING_AMPLITUDE, BLOCK, WINDOW, STILL, FEWEST_BLOCKS, MOST_BLOCKS)
+RECIPE = (
+    *(GROWN, SHAKING_GAMMA, SHAKING_AMPLITUDE, SHAKING_CYCLES, KEEPING_AMPLITUDE, KEEPING_CYCLES),
+    *(WINDOW, MOST_BLOCKS, STILL, SOFT_OVERLAP, REACHED, MOST_TRIES, MILDER, MILDEST),
+)
 """A part of every bed's key, so that beds made by another recipe are not taken for these."""
 
 
 @dataclass(frozen=True)
 class Request:
-    """All that a bed depends on.
+    """Inputs that determine a bed.
 
     Parameters
     ----------
@@ -56,11 +55,23 @@ class Request:
         Its drive does not matter.
     grains : Grains
     seed : int
+        Seed of the random placement.
     preparation : "loose" or "compacted"
+    clearance, packing_fraction : [m], [-] or None
+        One of the two that a bed is to be compacted to, instead of until neither changes.
     settling_time : [s] or None
         A fixed time to settle in, as in the paper, instead of until at rest.
     numerics : Numerics
         A study may take fewer steps a contact than usual, a bed is not made with fewer: compacting takes half of them.
+
+    Examples
+    --------
+    >>> from warpdamp import Cylinder, Grains, Material, Request, Scene, Surface
+    >>> pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    >>> scene = Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04))
+    >>> one, other = (Request(scene, Grains.alike(3.73e-3, 120), seed, "compacted") for seed in (1, 2))
+    >>> one.key() == other.key()
+    False
     """
 
     scene: Scene
@@ -69,10 +80,28 @@ class Request:
     preparation: Preparation = "compacted"
     settling_time: float | None = None
     numerics: Numerics = Numerics()  # noqa: RUF009 - frozen
+    clearance: float | None = None
+    packing_fraction: float | None = None
 
     def __post_init__(self):
+        if self.asked and (self.preparation == "loose" or len(self.asked) > 1):
+            raise PackingError(
+                "a clearance or a packing fraction, one of the two, is for a compacted bed; a loose one has its own",
+                "preparation",
+            )
+        for name, value in self.asked.items():
+            if not value > 0:
+                raise PackingError(f"a {name.replace('_', ' ')} must be positive, got {value:g}", "preparation")
+        if self.preparation == "compacted" and self.settling_time is not None:
+            raise PackingError("a fixed settling_time is for a loose bed: ask for preparation: loose", "preparation")
         steps = max(self.numerics.steps_per_contact, STEPS_PER_CONTACT)
         object.__setattr__(self, "numerics", replace(self.numerics, steps_per_contact=steps))
+
+    @property
+    def asked(self) -> dict[str, float]:
+        """State that the bed is to be brought to: ``clearance`` [m] or ``packing_fraction`` by name, or empty."""
+        values = {name: getattr(self, name) for name in ("clearance", "packing_fraction")}
+        return {name: value for name, value in values.items() if value is not None}
 
     def key(self) -> str:
         """Hash of the inputs, the recipe, and the version of the physics."""
@@ -82,14 +111,18 @@ class Request:
 
 @dataclass(frozen=True)
 class Criteria:
-    """When a case is done.
+    """Criteria by which a case ends.
 
     Parameters
     ----------
-    standard_error : asked for, relative to the energy per cycle
-    slack : drift and imbalance that do not matter, relative to the energy per cycle
-    fewest, most : cycles to run
-    fixed : average over the last two thirds of ``most`` cycles instead, whatever the series does
+    standard_error : float
+        Standard error asked for, relative to the energy per cycle [-].
+    fewest, most : int
+        Cycles to run.
+    fixed : bool
+        Average over the last two thirds of ``most`` cycles instead, whatever the series does.
+    slack : float
+        Drift and imbalance that do not matter, relative to the energy per cycle [-].
     """
 
     standard_error: float = 0.02
@@ -101,7 +134,7 @@ class Criteria:
 
 @dataclass(frozen=True)
 class Spec:
-    """One case of a study.
+    """Case of a study, ready to be run.
 
     Parameters
     ----------
@@ -118,22 +151,22 @@ class Spec:
 
     @property
     def dt(self) -> float:
-        """Step [s]."""
+        """Time step [s]."""
         return 1 / (self.scene.drive.frequency * self.steps_per_cycle)
 
     @property
     def effects(self) -> Effects:
-        """What its kernels are compiled for."""
+        """Effects that the case's kernels are compiled for."""
         return self.bed.numerics.effects(self.scene, self.bed.grains)
 
     @property
     def forced_off(self) -> list[str]:
-        """Effects that the scene calls for and the user forced off."""
+        """Effects that the scene requires and the user forced off."""
         called = called_for(self.scene, self.bed.grains)
         return [name for name, on in self.bed.numerics.forced if not on and getattr(called, name)]
 
     def cost(self, criteria: Criteria) -> float:
-        """Particle-steps that it takes at the least."""
+        """Particle-steps of the case, at the least."""
         return self.steps_per_cycle * len(self.bed.grains) * criteria.fewest
 
 
@@ -141,11 +174,7 @@ PAPER_SETTLING, PAPER_SHAKING = 0.2, 0.3
 """Times of the paper's own recipe [s]; the last two thirds of the shaking are averaged."""
 
 
-PAPER_SETTLING, PAPER_SHAKING = 0.2, 0.3
-"""Times of the paper's own recipe [s]; the last two thirds of the shaking are averaged."""
-
-
 def paper_criteria(frequency: float) -> Criteria:
-    """The paper's recipe at a frequency: the whole cycles within 0.3 s, and at least six."""
+    """Criteria of the paper at a frequency [Hz]: the whole cycles within 0.3 s, and at least six."""
     cycles = max(6, math.floor(PAPER_SHAKING * frequency))
     return Criteria(fewest=cycles, most=cycles, fixed=True)

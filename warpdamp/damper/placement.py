@@ -1,4 +1,4 @@
-"""Particles placed at random in a closed cavity, without overlap."""
+"""Random placement of particles in a closed cavity, without overlap."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .case import GROWN
 
 
 def fill(radius, enclosure: Cylinder) -> float:
-    """Volume of the particles over the cavity's."""
+    """Fill of the cavity: volume of the particles over the cavity's [-]."""
     return float(np.sum(sphere_volume(radius))) / enclosure.volume
 
 
 def separate(radius, enclosure: Cylinder, seed: int) -> np.ndarray:
-    """Random positions in the closed cavity without any overlap, (n, 3) [m].
+    """Positions of particles in the closed cavity, random and without any overlap, (n, 3) [m].
 
     Random points are pushed apart as slightly grown soft spheres by the FIRE minimiser (Bitzek et al. 2006,
     doi:10.1103/PhysRevLett.97.170201).

@@ -3,11 +3,21 @@
 ``loose``
     Made inside the closed cavity without overlap, then settled under gravity with the friction of the scene.
 ``compacted``
-    The loose bed shaken along gravity (up and down) at six times the scene's gravity with an amplitude of a tenth of a
-    particle's diameter, in blocks of 20 cycles, each followed by rest; done, after 30 blocks at the least and 60 at
-    most, when the mean height at rest over the last ten blocks is no more than a quarter of a percent of a diameter
-    below that over the ten blocks before.  Half the steps a contact of the study are enough for that.  A bed that has
-    been shaken for some time, as any damper in service has.
+    The same positions settled without friction and shaken along gravity (up and down) at six times the scene's gravity
+    until the clearance no longer rises.  A block is 12 cycles without friction, with an amplitude of 0.22 of a
+    particle's diameter (30 Hz in the paper's damper); 4 cycles with the friction of the scene and 0.1 of a diameter
+    (46 Hz), which leave the bed with contacts that it keeps; rest; and the clearance.  Done, after at most 20 blocks,
+    when the mean clearance of the last two is no more than two percent of a diameter above that of the two before (one
+    clearance scatters by that much); the bed is the one of the last two with the larger clearance.  Without floor or
+    lid, twice the depth of the centre of mass, as of a block's top, stands for the clearance.
+    With friction, beds compact by the logarithm of the cycles, as glasses do, and each seems to end elsewhere.  To
+    choose a packing's density by the friction while it is made is usual (Silbert, arXiv:1108.0012).
+``compacted`` to a ``clearance`` or ``packing_fraction``
+    The loose bed shaken in such blocks until it has the clearance asked for, to 0.05 mm: with fewer cycles, and then
+    with friction alone, whenever a block leads beyond it; or the nearest of 60 blocks.
+
+While beds are compacted and clearances measured, contacts have half the steps and the lower modulus at which the
+fastest impact expected overlaps by two percent of the reduced radius; a bed's last rest is with the scene's own.
 
 A part of either that gains energy from nowhere is repeated at half the step.  Dashpots act on predicted velocities,
 which is stable while the rate at which they damp a motion is below 1 / dt; in a jam the contacts of one sphere add up.
@@ -34,12 +44,27 @@ from ..engine.ledger import Ledger
 from ..errors import PackingError
 from ..files import cache_folder, keep, locked
 from ..kernels.columns import KernelStatus
-from ..numerics.timestep import Numerics, contact_step, steps_per_cycle
+from ..numerics.timestep import Numerics, contact_step, expected_speed, impact_overlap, steps_per_cycle
 from ..scene.effects import Effects
 from ..scene.particles import State
-from ..scene.scene import STANDARD_GRAVITY, Drive, Scene
-from .case import BLOCK, FEWEST_BLOCKS, MOST_BLOCKS, SHAKING_AMPLITUDE, SHAKING_GAMMA, STILL, WINDOW, Request
-from .placement import separate
+from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Scene, Surface
+from .case import (
+    KEEPING_AMPLITUDE,
+    KEEPING_CYCLES,
+    MILDER,
+    MILDEST,
+    MOST_BLOCKS,
+    MOST_TRIES,
+    REACHED,
+    SHAKING_AMPLITUDE,
+    SHAKING_CYCLES,
+    SHAKING_GAMMA,
+    SOFT_OVERLAP,
+    STILL,
+    WINDOW,
+    Request,
+)
+from .placement import fill, separate
 
 HALVINGS = 2
 """How often the step is halved at the most."""
@@ -58,7 +83,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Packing:
-    """A bed at rest.
+    """Prepared bed at rest.
 
     Parameters
     ----------
@@ -67,29 +92,44 @@ class Packing:
         How far its centre of mass travels between rest on the floor and rest against the lid.
     blocks : int
         Blocks of shaking that it took (0: loose).
+    settled : bool
+        Whether the rule that ends its preparation was met; false if it was still compacting after the last block.
     """
 
     state: State
     clearance: float
     blocks: int
+    settled: bool = True
 
 
 def prepare(request: Request) -> Packing:
-    """The bed of a request, from disk if it was made before.
+    """Bed of a request, from disk if it was made before.
 
     Raises
     ------
     PackingError
-        If the particles do not fit (with the fill asked for and the fill reached) or do not come to rest.
+        If the particles do not fit (with the fill asked for and the fill reached), do not come to rest or fall out of
+        the cavity, or if a clearance or packing fraction asked for cannot be reached (with those that can).
+
+    Examples
+    --------
+    >>> from warpdamp import Cylinder, Grains, Material, Request, Scene, Surface, prepare
+    >>> pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    >>> scene = Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04))
+    >>> bed = prepare(Request(scene, Grains.alike(3.73e-3, 10), seed=1, preparation="loose"))
+    >>> round(1e3 * bed.clearance, 1)  # one layer: the height less a diameter, 40 - 7.46 [mm]
+    32.5
     """
+    ends = _ends(request) if request.asked else ()
     path = cache_folder("beds") / f"{request.key()}.npz"
     if (stored := _stored(path)) is not None:
         return stored
     with locked(path.parent / f".lock-{path.name[:2]}", wait=True):  # another process may be making it
         if (stored := _stored(path)) is None:
-            stored = _make(request)
+            stored = _brought(request, *ends) if ends else _make(request)
             content = io.BytesIO()
-            np.savez(content, clearance=stored.clearance, blocks=stored.blocks, **stored.state.arrays())
+            values = {name: value for name, value in vars(stored).items() if name != "state"}
+            np.savez(content, **values, **stored.state.arrays())
             keep(path, content.getvalue())
     return stored
 
@@ -99,9 +139,8 @@ def _stored(path: Path) -> Packing | None:
     try:
         with np.load(path) as file:
             values = dict(file)
-        return Packing(
-            clearance=float(values.pop("clearance")), blocks=int(values.pop("blocks")), state=State.from_arrays(values)
-        )
+        own = {"clearance": float, "blocks": int, "settled": bool}
+        return Packing(**{name: kind(values.pop(name)) for name, kind in own.items()}, state=State.from_arrays(values))
     except FileNotFoundError:
         return None
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
@@ -110,8 +149,11 @@ def _stored(path: Path) -> Packing | None:
 
 
 def effects(request: Request) -> set[Effects]:
-    """All that kernels are compiled for while a bed is made."""
+    """Sets of effects that kernels are compiled for while a bed is made."""
     scenes = [request.scene, *_upright(request.scene)]
+    if request.preparation == "compacted":
+        bare = frictionless(request.scene)
+        scenes += [bare.driven(None), *(scene.driven(Drive(1.0, 1.0)) for scene in (request.scene, bare))]
     return {request.numerics.effects(scene, request.grains) for scene in scenes}
 
 
@@ -121,25 +163,109 @@ def _upright(scene: Scene) -> list[Scene]:
 
 
 def _make(request: Request) -> Packing:
-    scene = request.scene
+    scene, numerics = request.scene, request.numerics
+    _check_walls(scene)
     position = separate(request.grains.radius, scene.enclosure, request.seed)
     state = State.at_rest(position, request.grains.radius, request.grains.species)
-    if not any(scene.gravity):
-        if request.preparation == "compacted":
-            raise PackingError("a bed cannot be compacted without gravity: ask for preparation: loose", "preparation")
-        return Packing(state, measured_clearance(scene, state, request.numerics), 0)
-
-    state = settle(scene, state, request.numerics, time=request.settling_time)
-    blocks = 0
     if request.preparation == "compacted":
-        coarse = request.numerics.steps_per_contact / 2
-        state, blocks = compact(scene, state, replace(request.numerics, steps_per_contact=coarse))
-        state = settle(scene, state, request.numerics)
-    return Packing(state, measured_clearance(scene, state, request.numerics), blocks)
+        if not any(scene.gravity):
+            raise PackingError("a bed cannot be compacted without gravity: ask for preparation: loose", "preparation")
+        state, clearances, settled = compact(scene, state, numerics)
+        state = settle(scene, state, numerics)
+        return Packing(state, measured_clearance(scene, state, numerics), len(clearances), settled)
+    if any(scene.gravity):
+        state = settle(scene, state, numerics, time=request.settling_time)
+    return Packing(state, measured_clearance(scene, state, numerics), 0)
+
+
+def _check_walls(scene: Scene) -> None:
+    """Refuse a cavity that gravity empties."""
+    x, y, z = scene.gravity
+    cavity = scene.enclosure
+    walls = {"floor": z < 0 and not cavity.floor, "lid": z > 0 and not cavity.lid, "side": (x or y) and not cavity.side}
+    for wall, missing in walls.items():
+        if missing:
+            raise PackingError(
+                f"the particles fall out of a cavity without a {wall}: give it one, or set gravity to 0 and ask for "
+                "preparation: loose",
+                f"damper.enclosure.{wall}",
+            )
+
+
+def packing_fraction(radius, enclosure: Cylinder, clearance: float) -> float:
+    """Volume of the particles over that of the part of the cavity that they keep to, v / (1 - h / L) (eq. 2).
+
+    Parameters
+    ----------
+    radius : (n,) [m]
+    clearance : h [m]; see ``measured_clearance``
+    """
+    return fill(radius, enclosure) / (1 - clearance / enclosure.height)
+
+
+def _ends(request: Request) -> tuple[Packing, Packing]:
+    """The loosest and the densest bed that a request with a state asked for lies between."""
+    cavity = request.scene.enclosure
+    if not (cavity.floor and cavity.lid):
+        raise PackingError("a bed has a clearance only between a floor and a lid: give the cavity both", "preparation")
+    own = replace(request, clearance=None, packing_fraction=None)
+    return prepare(replace(own, preparation="loose")), prepare(own)
+
+
+def _brought(request: Request, loose: Packing, dense: Packing) -> Packing:
+    """The bed with the clearance or the packing fraction asked for; see the head of this module."""
+    scene = request.scene
+    ((name, asked),) = request.asked.items()
+    own = fill(request.grains.radius, scene.enclosure)
+    clearance = asked if name == "clearance" else scene.enclosure.height * (1 - own / asked)
+    if not loose.clearance - REACHED <= clearance <= dense.clearance + REACHED:
+        raise PackingError(_out_of_reach(scene, name, asked, loose, dense), "preparation")
+    nearest = min(loose, dense, key=lambda bed: abs(bed.clearance - clearance))
+    if abs(nearest.clearance - clearance) > REACHED:
+        nearest = _approach(scene, loose, clearance, request.numerics)
+    if abs(nearest.clearance - clearance) > REACHED:
+        _log.warning(
+            "a clearance of %.3g mm was asked for, and %.3g mm reached in %d parts of shaking",
+            *(1e3 * clearance, 1e3 * nearest.clearance, MOST_TRIES),
+        )
+    return nearest
+
+
+def _out_of_reach(scene: Scene, name: str, asked: float, loose: Packing, dense: Packing) -> str:
+    clearances = [bed.clearance for bed in (loose, dense)]
+    wanted = f"{asked:.3f}"
+    found = [f"{packing_fraction(loose.state.radius, scene.enclosure, clearance):.3f}" for clearance in clearances]
+    if name == "clearance":
+        wanted, *found = (f"{1e3 * clearance:.2f} mm" for clearance in (asked, *clearances))
+    noun = name.replace("_", " ")
+    return f"a {noun} of {wanted} cannot be reached: this bed has {found[0]} loose and {found[1]} compacted"
+
+
+def _approach(scene: Scene, start: Packing, clearance: float, numerics: Numerics) -> Packing:
+    """Shake a bed up to a clearance; the nearest bed that was met.
+
+    Whenever a part of shaking leads beyond the clearance, the next one starts from the bed before, with half the cycles
+    without friction; once none are left, with a milder part with friction, which changes a bed least.
+    """
+    nearest = below = start
+    cycles, gamma = SHAKING_CYCLES, SHAKING_GAMMA
+    for tries in range(1, MOST_TRIES + 1):
+        state = settle(scene, _block(scene, below.state, numerics, cycles, gamma), numerics)
+        bed = Packing(state, measured_clearance(scene, state, numerics), tries)
+        nearest = min(nearest, bed, key=lambda bed: abs(bed.clearance - clearance))
+        if abs(nearest.clearance - clearance) <= REACHED:
+            return nearest
+        if bed.clearance < clearance:
+            below = bed
+        elif cycles:
+            cycles //= 2
+        else:
+            gamma = MILDER * gamma if gamma > MILDEST else SHAKING_GAMMA
+    return replace(nearest, settled=False)
 
 
 class _OutOfBalance(PackingError):
-    """Energy came from nowhere."""
+    """Bed whose ledger gained energy without work."""
 
 
 def _balanced(part: Callable[[Numerics], State], numerics: Numerics) -> State:
@@ -189,36 +315,82 @@ def _settled(scene: Scene, state: State, time: float | None, numerics: Numerics)
     )
 
 
-def compact(scene: Scene, state: State, numerics: Numerics) -> tuple[State, int]:
-    """Shake a settled bed until its height at rest no longer falls; see the head of this module."""
-    diameter = 2 * float(np.mean(state.radius))
+def frictionless(scene: Scene) -> Scene:
+    """The same scene without sliding and rolling friction; restitutions stay."""
+
+    def bare(surfaces):
+        if isinstance(surfaces, Surface):
+            return Surface(surfaces.restitution, 0.0)
+        return tuple(bare(surface) for surface in surfaces)
+
+    return replace(scene, particle_contact=bare(scene.particle_contact), wall_contact=bare(scene.wall_contact))
+
+
+def shaking(scene: Scene, radius, amplitude: float, gamma: float = SHAKING_GAMMA) -> Drive:
+    """Along gravity, with ``gamma`` times its acceleration and, at the usual Gamma, an ``amplitude`` in diameters."""
     gravity = float(np.linalg.norm(scene.gravity))
-    acceleration = SHAKING_GAMMA * gravity
-    frequency = math.sqrt(acceleration / (SHAKING_AMPLITUDE * diameter)) / (2 * math.pi)
-    up = tuple(-component / gravity for component in scene.gravity)
-    shaken = scene.driven(Drive(frequency, acceleration, up))
-    heights = [_height(scene, state)]
-    for block in range(1, MOST_BLOCKS + 1):
-        state = settle(scene, _balanced(partial(_shaken, shaken, state), numerics), numerics)
-        heights.append(_height(scene, state))
-        if block >= FEWEST_BLOCKS and _fallen(heights) < STILL * diameter:
-            return state, block
-    _log.warning("bed still compacting after %d blocks of %d cycles of shaking", MOST_BLOCKS, BLOCK)
-    return state, MOST_BLOCKS
+    diameter = 2 * float(np.mean(radius))
+    frequency = math.sqrt(SHAKING_GAMMA * gravity / (amplitude * diameter)) / (2 * math.pi)
+    return Drive(frequency, gamma * gravity, tuple(-component / gravity for component in scene.gravity))
 
 
-def _shaken(scene: Scene, state: State, numerics: Numerics) -> State:
-    """A bed after a block of cycles."""
+def _soft(scene: Scene, state: State) -> Scene:
+    """The scene with moduli so low that the fastest impact of compaction overlaps by ``SOFT_OVERLAP``; never higher."""
+    speed = expected_speed(scene.driven(shaking(scene, state.radius, SHAKING_AMPLITUDE)), state.radius)
+    return scene.softened(min(1.0, (impact_overlap(scene, speed) / SOFT_OVERLAP) ** 2.5))
+
+
+def _coarse(numerics: Numerics) -> Numerics:
+    """Half the steps a contact, enough where only the bed matters."""
+    return replace(numerics, steps_per_contact=numerics.steps_per_contact / 2)
+
+
+def compact(scene: Scene, state: State, numerics: Numerics) -> tuple[State, list[float], bool]:
+    """Shake a bed until its clearance no longer rises; see the head of this module.
+
+    Returns
+    -------
+    state, clearances, settled
+        The bed, its clearance after each block of shaking [m], and whether that no longer rises.
+    """
+    least = STILL * 2 * float(np.mean(state.radius))
+    soft, coarse = _soft(scene, state), _coarse(numerics)
+    state = settle(frictionless(soft), state, coarse)
+    states, clearances = [], []
+    for _ in range(MOST_BLOCKS):
+        state = settle(soft, _block(scene, state, numerics, SHAKING_CYCLES), coarse)
+        states = [*states[1 - WINDOW :], state]
+        clearances.append(_free_height(scene, state, numerics))
+        if no_longer_rises(clearances, least):
+            return states[int(np.argmax(clearances[-WINDOW:]))], clearances, True
+    _log.warning("bed still compacting after %d blocks of %d cycles of shaking", MOST_BLOCKS, SHAKING_CYCLES)
+    return states[int(np.argmax(clearances[-WINDOW:]))], clearances, False
+
+
+def _block(scene: Scene, state: State, numerics: Numerics, cycles: int, gamma: float = SHAKING_GAMMA) -> State:
+    """A bed after ``cycles`` without friction and a few with it."""
+    soft, coarse = _soft(scene, state), _coarse(numerics)
+    parts = [(frictionless(soft), SHAKING_AMPLITUDE, cycles), (soft, KEEPING_AMPLITUDE, KEEPING_CYCLES)]
+    for part, amplitude, number in parts[0 if cycles else 1 :]:
+        shaken = part.driven(shaking(scene, state.radius, amplitude, gamma))
+        state = _balanced(partial(_shaken, shaken, state, number), coarse)
+    return state
+
+
+def _shaken(scene: Scene, state: State, cycles: int, numerics: Numerics) -> State:
+    """A bed after some cycles of the scene's drive."""
     steps = steps_per_cycle(scene, state, steps_per_contact=numerics.steps_per_contact)
     case = Case(scene, state, 1 / (scene.drive.frequency * steps))
-    batch = Batch([case], max_rows=BLOCK + 1, effects=numerics.effects(scene, state))
-    _run(batch, BLOCK * steps)
+    batch = Batch([case], max_rows=cycles + 1, effects=numerics.effects(scene, state))
+    _run(batch, cycles * steps)
     return batch.read()[0][0]
 
 
-def _fallen(heights) -> float:
-    """By how much the mean over the last blocks lies below that over as many before [m]."""
-    return float(np.mean(heights[-2 * WINDOW : -WINDOW]) - np.mean(heights[-WINDOW:]))
+def no_longer_rises(clearances, least: float) -> bool:
+    """Whether the mean over the last ``WINDOW`` is at most ``least`` above that over as many before [m]."""
+    if len(clearances) < 2 * WINDOW:
+        return False
+    return float(np.mean(clearances[-WINDOW:]) - np.mean(clearances[-2 * WINDOW : -WINDOW])) <= least
 
 
 def _run(batch: Batch, steps: int) -> None:
@@ -234,12 +406,18 @@ def _run(batch: Batch, steps: int) -> None:
 
 
 def _height(scene: Scene, state: State) -> float:
-    """Of the centre of mass against gravity [m]."""
+    """Height of the centre of mass against gravity [m]."""
     up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
     return float(np.average(state.position @ up, weights=scene.masses(state)))
 
 
-def measured_clearance(scene: Scene, state: State, numerics: Numerics) -> float:
+def _free_height(scene: Scene, state: State, numerics: Numerics) -> float:
+    """Clearance of a bed [m] or, without floor or lid, twice the depth of its centre of mass (of a block's top)."""
+    clearance = measured_clearance(scene, state, numerics)
+    return clearance if math.isfinite(clearance) else -2 * _height(scene, state)
+
+
+def measured_clearance(scene: Scene, state: State, numerics: Numerics = _USUAL) -> float:
     """How far the centre of mass travels along the axis between rest on the floor and rest against the lid [m].
 
     Standard gravity along the axis, down and then up, whatever the scene's own; not a number without floor or lid.
@@ -248,6 +426,6 @@ def measured_clearance(scene: Scene, state: State, numerics: Numerics) -> float:
         return math.nan
     heights = []
     for upright in _upright(scene):
-        state = settle(upright, state, numerics)
+        state = settle(_soft(upright, state), state, _coarse(numerics))
         heights.append(float(np.average(state.position[:, 2], weights=scene.masses(state))))
     return heights[1] - heights[0]

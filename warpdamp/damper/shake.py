@@ -1,7 +1,8 @@
-"""Shake prepared beds until their dissipation is steady, and say what the averages are worth."""
+"""Shaking of prepared beds until their dissipation is steady, with the uncertainty of the averages."""
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from dataclasses import replace
@@ -11,6 +12,7 @@ import numpy as np
 from ..engine.batch import Batch, Case
 from ..engine.checks import DEEPEST, LARGEST_RESIDUAL
 from ..engine.ledger import Ledger, apparent_mass, harmonic_work, maximum_energy
+from ..errors import PackingError
 from ..kernels.columns import KernelStatus
 from ..numerics.steady import Steady, steady
 from ..numerics.tolerance import RESIDUAL_FACTOR, SMALLEST_EFFECTIVENESS, bed_memory, single_interval
@@ -20,7 +22,7 @@ from ..scene.scene import Drive, Scene
 from ..status import Status
 from .case import Criteria, Spec
 from .placement import fill
-from .preparation import prepare
+from .preparation import measured_clearance, packing_fraction, prepare
 
 FIRST_LOOKS, LOOKS = 10, 1.25
 """A series is looked at every ten cycles at first, and later whenever it has grown by a quarter."""
@@ -30,9 +32,11 @@ BALANCE = 0.01
 the dissipation.  A bed that sinks or swells while its dissipation looks steady is not steady: at 730 Hz beds
 sink for hundreds of cycles."""
 
+_log = logging.getLogger(__name__)
+
 
 def shake(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int, ...], dict]]:
-    """Run chains of cases side by side; each case of a chain starts from the state that the one before left.
+    """Run chains of cases side by side; each case of a chain starts from the final state of the one before.
 
     Returns
     -------
@@ -41,16 +45,40 @@ def shake(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int,
     """
     beds = [prepare(chain[0].bed) for chain in chains]
     states = [bed.state for bed in beds]
+    before = [bed.clearance for bed in beds]
     results = []
     for stage in zip(*chains, strict=True):
-        carried_on = stage[0] is not chains[0][-1]
-        values, states = _shake_stage(stage, states, criteria, read=carried_on)
-        for spec, bed, value in zip(stage, beds, values, strict=True):
-            results.append((spec.index, value | {"clearance": bed.clearance, "compaction_blocks": bed.blocks}))
+        values, states = _shake_stage(stage, states, criteria)
+        after = [_clearance_after(spec, state) for spec, state in zip(stage, states, strict=True)]
+        for k, (spec, value) in enumerate(zip(stage, values, strict=True)):
+            value |= _compaction(spec, before[k], after[k] if "energy_dissipated" in value else math.nan)
+            bed = {"compaction_blocks": beds[k].blocks, "compaction_settled": int(beds[k].settled)}
+            results.append((spec.index, value | bed))
+        before = after
     return results
 
 
-def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
+def _clearance_after(spec: Spec, state: State) -> float:
+    """Clearance that a case leaves [m]; not a number, with a warning, if the bed does not come to rest."""
+    try:
+        return measured_clearance(spec.bed.scene, state, spec.bed.numerics)
+    except PackingError as error:
+        _log.warning("the clearance after case %s is not known: %s", spec.index, error)
+        return math.nan
+
+
+def _compaction(spec: Spec, before: float, after: float) -> dict:
+    """How compact the bed of a case is before and after it."""
+    cavity, radius = spec.bed.scene.enclosure, spec.bed.grains.radius
+    return {
+        "clearance": before,
+        "clearance_after": after,
+        "packing_fraction": packing_fraction(radius, cavity, before),
+        "packing_fraction_after": packing_fraction(radius, cavity, after),
+    }
+
+
+def _shake_stage(stage, states: list[State], criteria: Criteria):
     cases = [Case(spec.scene, state, spec.dt) for spec, state in zip(stage, states, strict=True)]
     batch = Batch(cases, max_rows=criteria.most + 1, effects=stage[0].effects)
     per_cycle = np.array([spec.steps_per_cycle for spec in stage])
@@ -74,14 +102,13 @@ def _shake_stage(stage, states: list[State], criteria: Criteria, *, read: bool):
 
     for k, value in enumerate(averages):
         value["cpu_time"] = float(cpu[k])
-    if read:  # a case that failed leaves the next amplitude the bed that it started from itself
-        good = batch.status == KernelStatus.OK
-        states = [now if ok else before for (now, _), ok, before in zip(batch.read(), good, states, strict=True)]
+    good = batch.status == KernelStatus.OK  # a case that failed leaves the bed that it started from
+    states = [now if ok else before for (now, _), ok, before in zip(batch.read(), good, states, strict=True)]
     return averages, states
 
 
 def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) -> dict | None:
-    """The averages of a case, or None if it has to go on."""
+    """Averages of a case, or None if it has to go on."""
     if batch.status[k] != KernelStatus.OK:
         return {"status": int(_FAILURES[batch.status[k]]), "cycles": cycles, "steps": int(batch.steps[k])}
     ledger = batch.cycles(k)
@@ -119,7 +146,7 @@ _FAILURES = {KernelStatus.NOT_FINITE: Status.NOT_FINITE, KernelStatus.ESCAPED: S
 
 
 def _status(values: dict, average: Steady, precise: bool) -> Status:
-    """The worst that can be said of a case."""
+    """Status of a case, the worst that applies."""
     if values["largest_overlap"] > DEEPEST:
         return Status.TOO_DEEP
     if values["ledger_residual"] > LARGEST_RESIDUAL:
@@ -149,7 +176,7 @@ def _balanced(window: Ledger, drive: Drive, part: float, smallest: float) -> boo
 
 
 def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
-    """What the averaging window says, per cycle."""
+    """Values of the averaging window, per cycle."""
     drive = spec.scene.drive
     cycles = len(window.rows) - 1
     reaction = window.reaction(drive)
@@ -167,7 +194,7 @@ def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
 
 
 def _indicators(window: Ledger, drive: Drive) -> dict:
-    """What tells the regime of motion; across the axis floor and lid are not what the bed collides with."""
+    """Indicators of the regime of motion; across the axis floor and lid are not what the bed collides with."""
     cycles = len(window.rows) - 1
     axial = abs(drive.direction[2]) > 1 - 1e-9
     return {

@@ -1,1 +1,1 @@
-"""Batches of cases on the device: the only package that launches kernels."""
+"""Engine: batches of cases on the device; the only package that launches kernels."""

@@ -1,4 +1,4 @@
-"""States to the device's arrays and back.
+"""Transfer of states to the device's arrays and back.
 
 On the device the particles of a large bed are numbered row by row and layer by layer, so that the neighbours of one
 after the other lie one after the other, too, as a processor expects; their own numbers come back when a state is read.
@@ -37,7 +37,7 @@ def numbering(position: np.ndarray) -> np.ndarray:
 
 
 def particle_bytes(types, pairs: float) -> float:
-    """Memory on the device that a particle takes with so many pairs of the neighbour list [bytes].
+    """Memory of a particle on the device with ``pairs`` listed pairs [bytes].
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def particle_bytes(types, pairs: float) -> float:
 
 
 class Transfer:
-    """Where the particles of a batch's cases lie in its arrays.
+    """Transfer of a batch's particles between states and the device's arrays.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class Transfer:
         return int(self.first[-1])
 
     def array(self, values, dtype) -> wp.array:
-        """Values on the device; there they may lie where they lie now, so that a large bed is not copied."""
+        """Array of values on the device; it may share their memory, so that a large bed is not copied."""
         return wp.array(np.ascontiguousarray(values), dtype=dtype, device=self.device, copy=False)
 
     def _set(self, column: np.ndarray, values: list[np.ndarray]) -> None:
@@ -82,7 +82,7 @@ class Transfer:
             column[first : first + len(order)] = given[order]
 
     def particles(self, masses: list[np.ndarray]) -> wp.array:
-        """The array of particles, of the given ``masses`` in each case [kg]."""
+        """Array of particles, of the given ``masses`` in each case [kg]."""
         particles = np.zeros(len(self), dtype=self.types.Particle.numpy_dtype())
         radius = [s.radius for s in self.states]
         for name in particles.dtype.names:
@@ -98,13 +98,13 @@ class Transfer:
         return self.array(particles, self.types.Particle)
 
     def contacts(self, laws: dict[str, list]):
-        """The struct of contacts that the states remember, with tables of ``laws``."""
+        """Struct of the states' contact histories, with tables of ``laws``."""
         numbered = [_numbered(s, order) for s, order in zip(self.states, self.order, strict=True)]
         pairs = np.concatenate([p + first for (p, _), first in zip(numbered, self.first[:-1], strict=True)])
         start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(self)))])
         c = self.types.Contacts()
         c.start, c.owner, c.partner = (self.array(a, wp.int32) for a in (start, pairs[:, 0], pairs[:, 1]))
-        c.touching = wp.empty(len(pairs), dtype=wp.int32, device=self.device)
+        c.nearby, c.touching = (wp.empty(len(pairs), dtype=wp.int32, device=self.device) for _ in range(2))
         c.touching_walls = wp.empty(WALLS * len(self), dtype=wp.int32, device=self.device)
         known = self.types.Contacts.vars
         for name in known.keys() & laws.keys():
@@ -127,7 +127,7 @@ class Transfer:
             yield order[np.stack([owner[listed], partner[listed]], axis=1) - first]
 
     def state(self, k: int, particles, contacts) -> State:
-        """State of case ``k``; what no effect asks for stays as it was at the start."""
+        """State of case ``k``; what no effect requires stays as it was at the start."""
         before, first, last = self.states[k], self.first[k], self.first[k + 1]
         back = np.argsort(self.order[k])
         now = particles.numpy()[first:last]
@@ -164,7 +164,7 @@ class Transfer:
 
 
 def _recalled(memory: np.ndarray, order: np.ndarray) -> ContactHistory:
-    """What contacts remember, from the device's ``memory`` of them, in an order."""
+    """Contact history from the device's ``memory``, in an order."""
     history = ContactHistory.none(len(order), *memory.shape[1:])
     for name in memory.dtype.names:  # one after the other: large beds are not copied whole
         getattr(history, name)[...] = memory[name][order]

@@ -1,4 +1,4 @@
-"""A batch of cases on the device: the only module that launches kernels."""
+"""Batch of cases on the device: the only module that launches kernels."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import warp as wp
 from ..kernels.advance import stepper
 from ..kernels.columns import KernelStatus
 from ..kernels.lanes import lanes_for
-from ..kernels.neighbours import neighbour_search
+from ..kernels.neighbours import NO_GRID, neighbour_search
 from ..kernels.structs import PER_PAIR, SCRATCH, types
 from ..numerics.timestep import check_step
 from ..scene.contact import contact_constants
@@ -27,12 +27,15 @@ from .mounts import Mounts
 SKIN = 0.2
 """Usual extra reach of the neighbour lists, as a part of the smallest radius."""
 
+MOST_SEARCHED = 300
+"""In cases of so many particles all pairs are looked at for the neighbour lists: building the grid takes longer."""
+
 _NEVER = np.iinfo(np.int32).max
 
 
 @dataclass(frozen=True)
 class Case:
-    """A scene, where it starts, and its step.
+    """Case of a batch: a scene, its initial state, and the step.
 
     Parameters
     ----------
@@ -72,7 +75,7 @@ class Case:
 
 
 class Batch:
-    """Cases that advance together.  Each gives the same bits as alone with the same effects.
+    """Batch of cases that advance together; each gives the same bits as alone with the same effects.
 
     Parameters
     ----------
@@ -127,13 +130,14 @@ class Batch:
         self._tallies = wp.zeros(m, dtype=t.Row, device=device)
         self._rows = wp.full(m * max_rows, t.Row(math.nan), dtype=t.Row, device=device)
         self._status = wp.zeros(m, dtype=wp.int32, device=device)
-        self._waiting = wp.zeros(m, dtype=wp.int32, device=device)
         self._counts = wp.zeros(n + 1, dtype=wp.int32, device=device)
 
         self._largest_radius = max(float(np.max(c.state.bounding_radius)) for c in self.cases)
         self._cell = 2 * self._largest_radius * (1 + skin)
-        side = int(np.clip(2 * np.ceil(np.cbrt(max(counts))), 8, 128))
-        self._grid = wp.HashGrid(side, side, side, device=device, dtype=self.effects.real)
+        self._grid = None
+        if max(counts) > MOST_SEARCHED:
+            side = int(np.clip(2 * np.ceil(np.cbrt(max(counts))), 8, 128))
+            self._grid = wp.HashGrid(side, side, side, device=device, dtype=self.effects.real)
         self._check_overlaps()
 
     def _device_case(self, k: int, laws: dict[str, list], mounts: Mounts):
@@ -192,13 +196,16 @@ class Batch:
             setattr(law, name, constants[name])
         return law
 
-    def _find_neighbours(self, waiting) -> None:
-        """List the neighbours of every case that is ``waiting`` for it anew."""
-        t, p, old = self._types, self._particles, self._contacts
+    def _find_neighbours(self) -> None:
+        """List anew the neighbours of every case that has not reached its target."""
+        t, old = self._types, self._contacts
         n = len(self._transfer)
-        self._waiting.assign(np.broadcast_to(np.asarray(waiting, np.int32), len(self.cases)))
-        self._grid.build(self._positions(), self._cell, groups=self._group)
-        search = [self._grid.id, self._constants, self._group, self._waiting, self._largest_radius, p, old]
+        grid = NO_GRID
+        if self._grid:
+            self._grid.build(self._positions(), self._cell, groups=self._group)
+            grid = self._grid.id
+        search = [grid, self._constants, self._group, self._steps, self._target, self._largest_radius, self._particles]
+        search.append(old)
         wp.launch(self._count_pairs, n, [*search, self._counts], device=self._device)
         fresh = t.Contacts()
         fresh.start = wp.empty(n + 1, dtype=wp.int32, device=self._device)
@@ -225,19 +232,24 @@ class Batch:
         )
         return view.contiguous()
 
+    def _find_all_neighbours(self) -> None:
+        """List the neighbours of every case anew."""
+        self._target.fill_(np.iinfo(np.int64).max)
+        self._find_neighbours()
+
     def _check_overlaps(self):
-        self._find_neighbours(True)
+        self._find_all_neighbours()
         for k, case in enumerate(self.cases):
             guards.check_overlaps(case.scene, case.state, self._transfer.listed(k, self._contacts))
 
     @property
     def steps(self) -> np.ndarray:
-        """Step number that each case has reached."""
+        """Step number that each case has reached, (cases,)."""
         return self._steps.numpy().copy()
 
     @property
     def status(self) -> np.ndarray:
-        """How each case stands, as numbers of ``kernels.columns.KernelStatus``."""
+        """Status of each case, (cases,) numbers of ``kernels.columns.KernelStatus``."""
         return self._status.numpy().copy()
 
     def advance(self, steps) -> None:
@@ -246,14 +258,14 @@ class Batch:
         A case whose state is no longer finite, or that has lost a particle, stops where it is; see ``status``.
         """
         target = np.broadcast_to(np.asarray(steps, np.int64), len(self.cases))
-        while np.any(waiting := (self.steps < target) & (self.status == KernelStatus.OK)):
-            self._target.assign(np.where(waiting, target, 0))
-            self._find_neighbours(waiting)
+        self._target.assign(np.where(self.status == KernelStatus.OK, target, 0))
+        while np.any(self.steps < self._target.numpy()):
+            self._find_neighbours()
             wp.launch(
                 self._advance,
                 len(self.cases),
-                [self._constants, self._target, self._particles, self._contacts, self._mount]
-                + [self._steps, self._shifts, self._cycle_start, self._tallies, self._rows, self._status],
+                [self._constants, self._particles, self._contacts, self._mount]
+                + [self._target, self._steps, self._shifts, self._cycle_start, self._tallies, self._rows, self._status],
                 device=self._device,
             )
 
@@ -266,7 +278,7 @@ class Batch:
         return Ledger(self._rows.numpy()[first : first + reached + 1].copy(), self.effects)
 
     def records(self, k: int) -> np.ndarray:
-        """Of case ``k``: time [s], place [m] and acceleration [m/s^2] of the enclosure, reaction [N], (n, 4).
+        """Records of case ``k``, (n, 4): time [s], place [m] and acceleration [m/s^2] of the enclosure, reaction [N].
 
         The reaction is the particles' force on the enclosure along the mount's direction.
         """
@@ -277,11 +289,11 @@ class Batch:
         return np.concatenate([time[:, None], kept[:reached]], axis=1)
 
     def checkpoint(self) -> dict[str, np.ndarray]:
-        """All that a run has, as arrays: ``restore`` it into a batch of the same cases and go on to the same bits."""
+        """Checkpoint of a run, as arrays: ``restore`` continues it in a batch of the same cases to the same bits."""
         return {name: array.numpy().copy() for name, array in self._changing().items()}
 
     def restore(self, checkpoint: dict[str, np.ndarray]) -> None:
-        """Go back to a ``checkpoint``."""
+        """Restore the state of a ``checkpoint``."""
         pairs = checkpoint["partner"].shape[0]
         for name, variable in self._types.Contacts.vars.items():
             if name in PER_PAIR:
@@ -305,11 +317,11 @@ class Batch:
         }
 
     def read(self) -> list[tuple[State, Ledger]]:
-        """State and ledger of every case now, velocities brought to the whole step.
+        """Read state and ledger of every case, velocities brought to the whole step.
 
         Works on copies: reading never changes what comes after.
         """
-        self._find_neighbours(True)
+        self._find_all_neighbours()
         p, c, t = self._particles, self._contacts, self._types
         copy_p, copy_c = wp.clone(p), t.Contacts()
         for name in t.Contacts.vars:
@@ -333,7 +345,7 @@ class Batch:
 
 
 class Simulation(Batch):
-    """One scene from a given start: the researcher's door.
+    """Simulation of one scene from a given state, step by step.
 
     Parameters
     ----------
@@ -353,10 +365,17 @@ class Simulation(Batch):
 
     Examples
     --------
-    >>> ball = State.at_rest([[0, 0, 0.02]], radius=0.00373)
-    >>> simulation = Simulation(scene, ball, dt=1e-6)
-    >>> simulation.advance(10_000)
+    >>> from warpdamp import Cylinder, Material, Scene, Simulation, State, Surface
+    >>> pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    >>> scene = Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04))
+    >>> ball = State.at_rest([[0, 0, 0.02]], radius=3.73e-3)
+    >>> simulation = Simulation(scene, ball, dt=2e-6)
+    >>> simulation.advance(20_000)
     >>> state, ledger = simulation.read()
+    >>> round(1e3 * float(state.position[0, 2]), 2)  # after 40 ms of free fall, 20 mm - g t^2 / 2 [mm]
+    12.15
+    >>> bool(abs(ledger.residual[-1]) < 1e-12)  # [J]
+    True
     """
 
     def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None, device: str = DEVICE):
@@ -385,6 +404,6 @@ class Simulation(Batch):
         guards.check_run(ledger, self.cases[0].dt)
 
     def read(self) -> tuple[State, Ledger]:
-        """State now, and the ledger's rows at the start and now."""
+        """Read the state, and the ledger's rows at the start and now."""
         state, ledger = super().read()[0]
         return state, Ledger(np.concatenate([self._start, ledger.rows]), self.effects)

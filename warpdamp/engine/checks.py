@@ -1,4 +1,4 @@
-"""What may not happen unsaid: refused before a run where it can be seen, found during it where it cannot."""
+"""Checks of a start and of a run: refused before a run where possible, detected during it otherwise."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def check_values(state: State) -> None:
 
 
 def check_overlaps(scene: Scene, state: State, parts: Iterable[np.ndarray]) -> None:
-    """Refuse a start from which overlaps would release energy that nobody put in.
+    """Refuse a start whose overlaps would release energy that is no work of the drive.
 
     Parameters
     ----------
@@ -111,6 +111,6 @@ def check_run(ledger: Ledger, dt: float) -> None:
 
 
 def residual_share(ledger: Ledger) -> float:
-    """Residual over the energy turned over: what was lost, and the largest store seen."""
+    """Ledger residual over the energy turned over: what was lost, and the largest store seen [-]."""
     turned_over = ledger.dissipated[-1] - ledger.dissipated[0] + np.max(np.abs(ledger.stored - ledger["gravity"]))
     return float(abs(ledger.residual[-1]) / turned_over) if turned_over > 0 else 0.0

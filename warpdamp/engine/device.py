@@ -1,4 +1,4 @@
-"""Start Warp without its chatter.  Import before anything that touches a Warp array."""
+"""Start of Warp without its messages.  Import before anything that touches a Warp array."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def _start() -> None:
     """
     wp.config.log_level = wp.LOG_WARNING
     if "WARP_CACHE_PATH" not in os.environ:  # Warp's own variable, for its kernels alone
-        wp.config.kernel_cache_dir = str(cache_folder("kernels") / wp.config.version)
+        wp.config.kernel_cache_dir = str(cache_folder("kernels"))
     sys.stderr.flush()
     with tempfile.TemporaryFile() as caught:
         kept = os.dup(2)

@@ -1,4 +1,4 @@
-"""The energy ledger as read on the host: rows of running totals, and what lies between two of them."""
+"""Energy ledger as read on the host: rows of running totals, and differences between them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..scene.scene import Drive
 
 @dataclass(frozen=True)
 class Ledger:
-    """Running totals of one case at a number of moments.
+    """Energy ledger of one case: running totals at a number of moments.
 
     Parameters
     ----------
@@ -36,43 +36,43 @@ class Ledger:
         return loss_columns(self.effects)
 
     def total(self, names) -> np.ndarray:
-        """Sum of the named columns at every moment."""
+        """Sum of the named columns at every moment, (moments,)."""
         every = columns(self.effects)
         return self.rows[:, [every.index(name) for name in names]].sum(axis=1)
 
     @property
     def dissipated(self) -> np.ndarray:
-        """All channels together, since step 0 [J]."""
+        """Energy dissipated in all channels since step 0, (moments,) [J]."""
         return self.total(self.losses)
 
     @property
     def stored(self) -> np.ndarray:
-        """Kinetic, gravitational and elastic energy [J]."""
+        """Kinetic, gravitational and elastic energy, (moments,) [J]."""
         return self.total(STORES)
 
     @property
     def residual(self) -> np.ndarray:
-        """Work put in, less what was lost and what the store gained, since the first moment [J]."""
+        """Work put in, less losses and the gain of the stored energy, since the first moment, (moments,) [J]."""
         balance = self["work_input"] - self.dissipated - self.stored
         return balance - balance[0]
 
     @property
     def coupled_residual(self) -> np.ndarray:
-        """With a structure: work of the force on it, less all losses and gains of energy in the laboratory [J]."""
+        """Residual with a structure: work of the force on it, less losses and gains in the laboratory frame [J]."""
         kept = self.stored + self["structure_energy"] + self["frame_energy"]
         balance = self["force_work"] - self["structure_loss"] - self.dissipated - kept
         return balance - balance[0]
 
     def per_cycle(self) -> np.ndarray:
-        """Energy dissipated in each interval between moments [J]."""
+        """Energy dissipated in each interval between moments, (moments - 1,) [J]."""
         return np.diff(self.dissipated)
 
     def between(self, first: int, last: int) -> Ledger:
-        """The moments ``first`` .. ``last``, both included."""
+        """Ledger of the moments ``first`` .. ``last``, both included."""
         return Ledger(self.rows[first : last + 1], self.effects)
 
     def change(self, name: str) -> float:
-        """Of one column from the first moment to the last."""
+        """Change of one column from the first moment to the last."""
         return float(self[name][-1] - self[name][0])
 
     def reaction(self, drive: Drive) -> complex:
@@ -91,10 +91,10 @@ def maximum_energy(drive: Drive, mass: float) -> float:
 
 
 def apparent_mass(reaction: complex, drive: Drive) -> float:
-    """Re(F1) / (w^2 X) [kg]: what the structure feels in phase with its acceleration."""
+    """Apparent mass Re(F1) / (w^2 X) [kg]: what the structure feels in phase with its acceleration."""
     return reaction.real / drive.acceleration
 
 
 def harmonic_work(reaction: complex, drive: Drive) -> float:
-    """-pi X Im(F1), the work per cycle as the reaction's first harmonic tells it [J]."""
+    """Work per cycle of the reaction's first harmonic, -pi X Im(F1) [J]."""
     return -math.pi * drive.displacement * reaction.imag

@@ -1,4 +1,4 @@
-"""The structures of a batch's cases, to the device and back."""
+"""Transfer of a batch's host structures to the device and back."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ AT_REST = {"excitation": 0.0, "base_moves": 0, "samples": 0}
 
 
 class Mounts:
-    """Collects the modes, excitations and records of the cases of a batch."""
+    """Modes, excitations and records of a batch's host structures, collected for the device."""
 
     def __init__(self):
         self.modes: list[dict[str, float]] = []
@@ -56,7 +56,7 @@ class Mounts:
         }
 
     def on_device(self, types, device: str = DEVICE):
-        """Mount of all cases on the device."""
+        """Struct of the host structures of all cases on the device."""
         mount = types.Mount()
         mount.count = len(self.modes)
         if "modes" in types.Mount.vars:

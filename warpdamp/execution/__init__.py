@@ -1,1 +1,1 @@
-"""How the cases of a study are run and kept: batches, workers, retries, shards."""
+"""Execution of a study's cases: batches, workers, retries, shards."""

@@ -1,8 +1,8 @@
-"""Which cases of a study are called for, as far as those that are finished tell.
+"""Cases that a study needs, given the results of those that are finished.
 
-Without a tolerance all of them.  With one every point begins with a few packings and gets more of them until they tell
-its energy well enough.  The answer depends on finished cases only, not on when and where they ran: a
-study that was interrupted goes on as it would have.
+Without a tolerance all of them.  With one every point begins with a few packings and gets more of them until its
+energy is known well enough.  The answer depends on finished cases only, not on when and where they ran: a
+study that was interrupted continues as it would have.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 _VALUES = (*PARTS, "maximum_energy")
 
 NEEDED = ("status", *_VALUES)
-"""What of the finished cases is looked at."""
+"""Variables of the finished cases that are read."""
 
 
 def needed_cases(plan: Plan, finished: Finished) -> np.ndarray:
     """Numbers of the cases that the study needs, finished ones among them.
 
-    Where beds are carried on from one amplitude to the next, a packing called for at one of them is run at all.
+    Where beds are carried on from one amplitude to the next, a packing needed at one of them is run at all.
     """
     numbers, accuracy = plan.to_run(), plan.cases.config.accuracy
     if accuracy is None:
@@ -35,17 +35,17 @@ def needed_cases(plan: Plan, finished: Finished) -> np.ndarray:
     values = _values(plan, finished)
     needed = np.zeros(len(plan.keys), bool)
     for point in np.arange(len(plan.keys)).reshape(-1, plan.cases.shape[-1]):
-        own = point[plan.fate[point] == Fate.RUN]
-        needed[own[: packings_needed(*values[:, own], accuracy.tolerance)]] = True
+        packings = point[plan.fate[point] == Fate.RUN]
+        needed[packings[: packings_needed(*values[:, packings], accuracy.tolerance)]] = True
     return numbers[np.isin(plan.chain[numbers], plan.chain[needed])]
 
 
 def _values(plan: Plan, finished: Finished) -> np.ndarray:
-    """(6, n) energies and what they are worth; NaN where a case is not finished, or failed."""
+    """Energies of all cases and their uncertainties, (6, n); NaN where a case is not finished, or failed."""
     rows = finished.rows(plan.keys)
-    there = rows >= 0
+    done = rows >= 0
     values = np.full((len(_VALUES), len(rows)), np.nan)
-    for own, name in zip(values, _VALUES, strict=True):
+    for row, name in zip(values, _VALUES, strict=True):
         if name in finished.values:
-            own[there] = finished.values[name][rows[there]]
+            row[done] = finished.values[name][rows[done]]
     return values

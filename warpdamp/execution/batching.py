@@ -1,4 +1,4 @@
-"""What a worker does: shake a batch of cases and keep them; and how cases are put into batches."""
+"""Batches: how the cases of a study are grouped for the workers."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ BATCH_COST = 1.5e8
 nothing, and no more than a kill may take away."""
 
 MOST_CASES = 256
-"""To a batch: what they keep in memory stays small."""
+"""Most cases of a batch, so that its memory stays small."""
 
 AHEAD = 2
 """A batch is no more than one of so many shares of each worker in what is left: batches become smaller towards the end,
 so that all workers finish together."""
 
 SMALLEST_SHARE = 50
-"""And no less than one of so many shares of each worker in the whole."""
+"""A batch is no less than one of so many shares of each worker in the whole."""
 
 SLOWEST = 3e-6
-"""Seconds that a particle-step may take (thirty times what is usual) before a worker is taken for hanging."""
+"""Seconds that a particle-step may take (thirty times what is usual) before a worker counts as hanging."""
 
 PATIENCE = 300.0
 """Seconds that a batch may take in any case: kernels are compiled, and beds made, in them."""
 
 
 def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list[int]]]:
-    """Chains of the numbers of cases, in batches of one group each, the dearest first.
+    """Batches of chains of case numbers, of one group each, the most expensive first.
 
     A chain of which any case is to be run is run whole; cases with one key are run once.
     """
@@ -82,7 +82,7 @@ def _members(plan: Plan, heads: np.ndarray) -> dict[int, list[int]]:
 
 
 def limit(plan: Plan, chains: list[list[int]]) -> float:
-    """Seconds after which a worker with these cases is taken for hanging."""
+    """Time limit [s] of a worker with these cases, after which it counts as hanging."""
     steps = 0.0
     for chain in chains:
         for number in chain:

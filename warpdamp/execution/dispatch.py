@@ -1,4 +1,4 @@
-"""Jobs handed to a pool of workers, and run again where their worker died or hangs."""
+"""Dispatch of jobs to a pool of workers, with retries where a worker died or hangs."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 TICK = 1.0
-"""Seconds between looks at what is in progress."""
+"""Seconds between two checks of the jobs in progress."""
 
 LOSSES = 3
-"""After so many losses a job is taken apart, and its parts are run with nothing else in progress; after as many more a
+"""After so many losses a job is split, and its parts are run with nothing else in progress; after as many more a
 part is abandoned."""
 
 STARTS_WITHIN = 600.0
@@ -34,14 +34,14 @@ _numbers = count()
 
 @dataclass
 class Job:
-    """Work that is done as one, and can be taken apart.
+    """Unit of work that can be split.
 
     Parameters
     ----------
     parts : list
-        What it can be taken apart into.
+        What it can be split into.
     limit : float
-        Seconds from its start on a worker after which it is taken for hanging.
+        Seconds from its start on a worker after which it counts as hanging.
     losses : int
         How often it did not come back.
     suspect : bool
@@ -54,13 +54,13 @@ class Job:
     suspect: bool = False
 
     def apart(self) -> list[Job]:
-        """Each part as a job."""
+        """Jobs of one part each."""
         return [Job([part], self.limit, 0, True) for part in self.parts]
 
 
 @dataclass(frozen=True)
 class Abandoned:
-    """What became of a job that was abandoned."""
+    """Outcome of an abandoned job."""
 
     overdue: bool
     reason: str
@@ -103,14 +103,14 @@ def run_jobs(
 
 
 def _announced(marker: str, call: Callable, arguments: tuple):
-    """In a worker: say that the job has started, then do it."""
+    """Run a call on a worker after touching ``marker``, which shows that the job has started."""
     Path(marker).touch()
     return call(*arguments)
 
 
 @dataclass
 class _Running:
-    """A job in progress: since when, and the file that its worker makes when it starts."""
+    """Job in progress: when it was submitted and started, and the file that its worker makes when it starts."""
 
     job: Job
     marker: Path
@@ -128,7 +128,7 @@ class _Running:
 
 @dataclass(frozen=True)
 class _Lost:
-    """A job that did not come back, and why."""
+    """Job that did not come back, and why."""
 
     job: Job
     reason: str
@@ -136,7 +136,7 @@ class _Lost:
 
 
 class _Dispatcher:
-    """What is in progress, and what has to be run again."""
+    """State of the dispatch: jobs in progress, retries and suspects."""
 
     def __init__(self, jobs: Iterator[Job], pool: WorkerPool, submit: Callable[[Job], tuple], folder: Path, clock):
         self.source, self.pool, self.submit = iter(jobs), pool, submit
@@ -147,7 +147,7 @@ class _Dispatcher:
         self.lost: list[_Lost] = []
 
     def submit_next(self) -> bool:
-        """Give every worker something to do; whether anything is in progress."""
+        """Submit jobs until every worker is busy; returns whether any are in progress."""
         while len(self.in_flight) < self.pool.size and not any(run.job.suspect for run in self.in_flight.values()):
             job = self._following()
             if job is None:
@@ -171,13 +171,13 @@ class _Dispatcher:
         return job
 
     def _landed(self, future: Future) -> Job:
-        """Take a job out of those in progress."""
+        """Remove a job from those in progress."""
         running = self.in_flight.pop(future)
         running.marker.unlink(missing_ok=True)
         return running.job
 
     def completed(self) -> Iterator[tuple[Job, object]]:
-        """Wait for a while; yields what came back with its result, and notes what did not."""
+        """Wait up to ``TICK``; yields finished jobs with their results, and records lost ones."""
         done, _ = wait(self.in_flight, timeout=TICK, return_when=FIRST_COMPLETED)
         for future in done:
             job = self._landed(future)
@@ -191,12 +191,12 @@ class _Dispatcher:
                 yield job, result
 
     def abandoned(self) -> Iterator[tuple[Job, Abandoned]]:
-        """Run again what is lost, with new workers where need be; yields what is abandoned."""
+        """Retry lost jobs, with new workers where needed; yields those that are abandoned."""
         hanging = self._overdue()
         lost, self.lost = self.lost + hanging, []
         if lost and self.pool.restart(hanging=bool(hanging)):
             others = [self._landed(future) for future in list(self.in_flight)]
-            if hanging:  # they were stopped for no fault of theirs
+            if hanging:  # stopped although they did not hang
                 self.retries.extend(others)
             else:
                 lost += [_Lost(job, "its worker died, or another's did") for job in others]
@@ -205,13 +205,13 @@ class _Dispatcher:
                 yield loss.job, Abandoned(loss.overdue, loss.reason)
 
     def _overdue(self) -> list[_Lost]:
-        """What has been in progress for too long, and is not waited for any more."""
+        """Jobs over their time limit, removed from those in progress."""
         now = self.clock()
         jobs = [self._landed(future) for future, running in list(self.in_flight.items()) if running.overdue(now)]
         return [_Lost(job, f"it took more than {job.limit:.0f} s", overdue=True) for job in jobs]
 
     def _retried(self, loss: _Lost) -> bool:
-        """Whether a job is run once more: as it is, taken apart, or alone."""
+        """Retry a job as it is, split, or alone; returns whether it is retried."""
         job = loss.job
         job.losses += 1
         _log.warning("a job of %d did not come back (%s), for the %d. time", len(job.parts), loss.reason, job.losses)

@@ -1,4 +1,4 @@
-"""Who does the work: this process, processes of this machine, a Dask cluster, or any executor of one's own.
+"""Executors: this process, processes of this machine, a Dask cluster, or any ``concurrent.futures.Executor``.
 
 All are a ``concurrent.futures.Executor`` behind a ``WorkerPool``, which knows how many calls it can take at a time, and
 how to go on when a worker has died or hangs.
@@ -19,28 +19,28 @@ from multiprocessing import get_context
 from ..errors import ExecutorError, MissingLibrary
 
 ANSWERS_WITHIN = 15.0
-"""Seconds that a Dask scheduler has to answer."""
+"""Seconds within which a Dask scheduler must answer."""
 
 COMES_BACK_WITHIN = 120.0
-"""Seconds that a Dask cluster has for its first new worker after a restart."""
+"""Seconds within which a Dask cluster must have its first new worker after a restart."""
 
 LOCAL_DASK = {"distributed.scheduler.allowed-failures": 0, "distributed.deploy.lost-worker-timeout": "1 day"}
-"""Of a cluster started here.  What was lost with a worker is this program's to try again, not Dask's three more times;
-and a worker that is being restarted is not to be given up because another restart came 15 s before."""
+"""Dask options of a cluster started here.  This program retries what was lost with a worker, so Dask must not; and a
+worker that is being restarted must not be abandoned because another restart came 15 s before."""
 
 
 class WorkerPool:
-    """An executor of one's own, with ``width`` calls at a time; what dies or hangs in it cannot be replaced."""
+    """Executor given by the user, with ``size`` calls at a time; workers that die or hang cannot be replaced."""
 
     def __init__(self, executor: Executor, size: int):
         self.executor, self.size = executor, size
 
     def submit(self, call, *arguments) -> Future:
-        """Have a call made."""
+        """Submit a call; returns its future."""
         return self.executor.submit(call, *arguments)
 
     def restart(self, *, hanging: bool) -> bool:
-        """Make good after a death or, if ``hanging``, stop all that runs; whether calls in progress are lost.
+        """Recover after a death or, if ``hanging``, stop all calls; returns whether calls in progress are lost.
 
         Raises
         ------
@@ -50,20 +50,20 @@ class WorkerPool:
         if hanging or getattr(self.executor, "_broken", False):
             what = "a job is over its limit of time" if hanging else "a worker died"
             raise ExecutorError(
-                f"{what}, and an executor of one's own is not repaired from here: what is finished is kept: start again"
+                f"{what}, and an executor that was passed in cannot be repaired: finished cases are stored: start again"
             )
         return False
 
     def stop(self) -> None:
-        """Give up what is not finished."""
+        """Cancel what is not finished."""
         self.executor.shutdown(wait=False, cancel_futures=True)
 
 
 class InProcess(Executor):
-    """Calls at once, in this process."""
+    """Executor that makes calls at once, in this process."""
 
     def submit(self, call, /, *arguments, **options) -> Future:
-        """Make the call; the future returned is finished."""
+        """Make the call; the returned future is finished."""
         future: Future = Future()
         try:
             future.set_result(call(*arguments, **options))
@@ -73,7 +73,7 @@ class InProcess(Executor):
 
 
 class Processes(WorkerPool):
-    """Fresh processes of this machine; those of a pool in which one died or hangs are replaced."""
+    """Pool of fresh processes of this machine; it is replaced when one dies or hangs."""
 
     def __init__(self, workers: int | None):
         self.size = workers or os.cpu_count() or 1
@@ -84,7 +84,7 @@ class Processes(WorkerPool):
         self.executor = ProcessPoolExecutor(self.size, mp_context=get_context("spawn"), initializer=_follow_parent)
 
     def restart(self, *, hanging: bool) -> bool:
-        """A new pool; what was in progress in the old one is lost."""
+        """Replace the pool; calls in progress are lost."""
         self.stop()
         self._start()
         return True
@@ -98,7 +98,7 @@ class Processes(WorkerPool):
 
 
 class Cluster(WorkerPool):
-    """The workers of a Dask cluster.  Dask itself sends the work of a dead worker to another."""
+    """Pool of the workers of a Dask cluster.  Dask itself sends the work of a dead worker to another."""
 
     def __init__(self, client):
         self._client = client
@@ -106,7 +106,7 @@ class Cluster(WorkerPool):
 
     @property
     def size(self) -> int:
-        """One call for each worker there is at the moment."""
+        """Number of workers at the moment, one call each."""
         return max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
 
     def restart(self, *, hanging: bool) -> bool:
@@ -124,14 +124,14 @@ class Cluster(WorkerPool):
             except TimeoutError:
                 raise ExecutorError(
                     "a job was over its limit of time, and no Dask worker came back within "
-                    f"{COMES_BACK_WITHIN:.0f} s of a restart: what is finished is kept: start again"
+                    f"{COMES_BACK_WITHIN:.0f} s of a restart: finished cases are stored: start again"
                 ) from None
         return hanging
 
 
 @contextmanager
 def worker_pool(kind: str | Executor, workers: int | None) -> Iterator[WorkerPool]:
-    """A pool of workers, stopped in the end.
+    """Pool of workers, stopped at the end of the context.
 
     Parameters
     ----------
@@ -156,18 +156,18 @@ def worker_pool(kind: str | Executor, workers: int | None) -> Iterator[WorkerPoo
                 yield Cluster(client)
             return
         if kind == "processes":
-            one = Processes(workers)
+            pool = Processes(workers)
         elif kind == "in-process":
-            one = WorkerPool(InProcess(), 1)
+            pool = WorkerPool(InProcess(), 1)
         else:
             raise ValueError(
                 f"there is no executor '{kind}': choose from processes, in-process, dask, or the address of a Dask "
                 "scheduler, as tcp://host:8786"
             )
         try:
-            yield one
+            yield pool
         finally:
-            one.stop()
+            pool.stop()
 
 
 @contextmanager
@@ -196,23 +196,23 @@ def _dask(kind: str, workers: int | None):
 
 @contextmanager
 def _main_hidden():
-    """A fresh process imports the script that was started.
+    """Context in which workers do not import the script that was started.
 
     The workers do not need it, and a script that calls ``run`` at its top level would start itself again in every one
-    of them: so they are not told of it.
+    of them: so it is hidden from them.
     """
     main = sys.modules["__main__"]
-    kept = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
+    hidden = {name: getattr(main, name) for name in ("__file__", "__spec__") if hasattr(main, name)}
     try:
         main.__spec__ = None
         main.__dict__.pop("__file__", None)
         yield
     finally:
-        vars(main).update(kept)
+        vars(main).update(hidden)
 
 
 def _follow_parent() -> None:
-    """In a worker: Ctrl-C is the parent's business, and a worker whose parent was killed ends, too."""
+    """Initialise a worker: it ignores Ctrl-C, which is the parent's, and ends when its parent is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 

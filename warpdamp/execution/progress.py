@@ -1,4 +1,4 @@
-"""How far the runs in a folder are."""
+"""Progress of the runs in a folder."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from .run_log import EVERY
 from .store import Store
 
 SILENT = 12 * EVERY
-"""Seconds without a sign of life after which a run is taken for dead."""
+"""Seconds without an update after which a run counts as dead."""
 
 
 def status(folder: str | Path) -> Iterator[str]:
-    """Lines that say what is done, at work, failed and left, and how long that takes.
+    """Lines of the state of a run: cases done, failed and left, runs in progress, time left.
 
     Raises
     ------
@@ -29,46 +29,46 @@ def status(folder: str | Path) -> Iterator[str]:
         If the folder holds no study.
     """
     store = Store.existing(folder)
-    made, kept = load_plan(store.folder), store.read(NEEDED)
-    keys = np.unique(made.keys[needed_cases(made, kept)])
-    own = np.isin(kept.keys, keys)
-    finished = own & (kept.status < FIRST_UNFINISHED)
-    done, failed = int(finished.sum()), int(own.sum() - finished.sum())
-    yield f"{store.folder}: {made.cases.config.title}"
+    plan, stored = load_plan(store.folder), store.read(NEEDED)
+    keys = np.unique(plan.keys[needed_cases(plan, stored)])
+    in_study = np.isin(stored.keys, keys)
+    finished = in_study & (stored.status < FIRST_UNFINISHED)
+    done, failed = int(finished.sum()), int(in_study.sum() - finished.sum())
+    yield f"{store.folder}: {plan.cases.config.title}"
     share, left = 100 * done / max(1, len(keys)), len(keys) - done - failed
     yield f"  {done} of {len(keys)} cases done ({share:.1f} %), {failed} failed, {left} left"
-    for fate, what in ((Fate.EXCLUDED, "excluded"), (Fate.REFUSED, "combinations that cannot be")):
-        if count := int(np.sum(made.fate == fate)):
+    for fate, what in ((Fate.EXCLUDED, "excluded"), (Fate.REFUSED, "impossible combinations")):
+        if count := int(np.sum(plan.fate == fate)):
             yield f"  {count} {what}"
-    if len(kept) > own.sum():
-        others = len(kept) - int(own.sum())
-        yield f"  {others} cases of other studies, or of another version of the physics, are kept, too"
+    if len(stored) > in_study.sum():
+        others = len(stored) - int(in_study.sum())
+        yield f"  {others} cases of other studies, or of another version of the physics, are stored, too"
     runs = [json.loads(path.read_text()) for path in sorted((store.folder / "runs").glob("*.json"))]
     at_work = [run for run in runs if not run["ended"] and time.time() - run["seen"] < SILENT] if store.in_use() else []
     for run in at_work:
-        yield "  " + _said(run)
+        yield "  " + _run_line(run)
     if not at_work:
         last = max(runs, key=lambda run: run["started"], default=None)
         ended = f"; the last run {last['ended'] or 'was killed'}" if last else ""
-        rest = "" if done == len(keys) else "; run again to go on"
-        yield f"  nothing at work{ended}{rest}"
+        rest = "" if done == len(keys) else "; run again to continue"
+        yield f"  no run in progress{ended}{rest}"
 
 
-def _said(run: dict) -> str:
+def _run_line(run: dict) -> str:
     spent = run["seen"] - run["started"]
     part = f", part {run['part']}" if run["part"] else ""
     left = "not known yet"
     if run["done"]:
         left = duration(spent * (run["cases"] - run["done"]) / run["done"])
     return (
-        f"at work: process {run['process']} on {run['host']}{part}: {run['done']} of {run['cases']} cases in "
+        f"in progress: process {run['process']} on {run['host']}{part}: {run['done']} of {run['cases']} cases in "
         f"{duration(spent)}, {run['batches_at_work']} batches in progress, {run['unfinished']} failed; "
         f"time left: {left}"
     )
 
 
 def duration(seconds: float) -> str:
-    """In the unit that suits it."""
+    """Duration with the unit that suits it, from seconds."""
     if seconds < 90:
         return f"{seconds:.0f} s"
     if seconds < 5400:

@@ -1,4 +1,4 @@
-"""What a run tells while it is at work: a log for people, and a line of state for ``warpdamp status``."""
+"""Log of a run: a text file for people, and a line of state for ``warpdamp status``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ EVERY = 5.0
 
 
 class _LogFile(logging.FileHandler):
-    """Ends with a line on standard error when it cannot be written, as on a full disk: results matter more."""
+    """Log file that ends with a line on standard error when it cannot be written, as on a full disk."""
 
     def handleError(self, record):
         logging.getLogger("warpdamp").removeHandler(self)
@@ -29,7 +29,7 @@ class _LogFile(logging.FileHandler):
 
 
 class RunLog:
-    """Of one run.
+    """Log of one run.
 
     Parameters
     ----------
@@ -80,17 +80,17 @@ class RunLog:
             self._keep()
 
     def further(self, cases: int) -> None:
-        """So many more cases are called for by what is known by now."""
+        """Record that ``cases`` more cases are needed."""
         self.state["cases"] += cases
-        self._log.info("%d further cases called for", cases)
+        self._log.info("%d further cases are needed", cases)
 
-    def say(self, level: int, message: str) -> None:
-        """Log a line."""
+    def log(self, level: int, message: str) -> None:
+        """Log a message at a ``logging`` level."""
         self._log.log(level, message)
 
     def finished(self, outcome: Outcome) -> None:
-        """A batch is done."""
-        for level, message in outcome.said:
+        """Record a finished batch."""
+        for level, message in outcome.records:
             self._log.log(level, message)
         self._log.info("%d cases in %.1f s, %d failed", outcome.cases, outcome.seconds, outcome.unfinished)
         self.state["done"] += outcome.cases
@@ -99,14 +99,14 @@ class RunLog:
         self.state["advancing"] += outcome.advancing
         self._now_and_then()
 
-    def given_up(self, cases: int) -> None:
-        """Cases that could not be run."""
+    def failed(self, cases: int) -> None:
+        """Record cases that could not be run."""
         self.state["done"] += cases
         self.state["unfinished"] += cases
         self._now_and_then()
 
     def at_work(self, batches: int) -> None:
-        """How many batches are in progress."""
+        """Record the number of batches in progress."""
         self.state["batches_at_work"] = batches
         self._now_and_then()
 

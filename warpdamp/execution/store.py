@@ -1,8 +1,8 @@
-"""Finished cases on disk: immutable shards, of which what is done is the union.
+"""Store of finished cases on disk: immutable shards, whose union is what is done.
 
 A shard is a small netCDF file that holds the cases of one batch.  It is written aside, flushed to disk and renamed, and
-its name is the hash of its content: a shard that was cut short or altered is known at once, moved aside, and its
-cases run again.  Shards do not know which study they belong to; cases are found by their keys.
+its name is the hash of its content: a shard that was cut short or altered is detected, moved aside, and its cases run
+again.  Shards do not know which study they belong to; cases are found by their keys.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Finished:
         return len(self.keys)
 
     def rows(self, keys: np.ndarray) -> np.ndarray:
-        """(n,) the row of each key; -1 where it is not there."""
+        """Row of each key, (n,); -1 where it is missing."""
         if not len(self):
             return np.full(len(keys), -1)
         at = np.searchsorted(self.keys, keys)
@@ -51,12 +51,12 @@ class Finished:
 
     @property
     def status(self) -> np.ndarray:
-        """How they ended."""
+        """Numbers of ``warpdamp.status.Status``, (n,)."""
         return self.values.get("status", np.zeros(0, np.int64))
 
 
 class Store:
-    """A folder of shards.
+    """Store of shards in a folder.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class Store:
 
     @classmethod
     def existing(cls, folder) -> Store:
-        """The store in a folder, or the only one below it.
+        """Store in a folder, or the only one below it.
 
         Raises
         ------
@@ -85,10 +85,10 @@ class Store:
         if len(below) == 1:
             return cls(below[0])
         which = f"name one of {', '.join(map(str, below))}" if below else "give the folder that warpdamp run -o made"
-        raise StoreError(f"{folder}: is no folder of a sweep: {which}")
+        raise StoreError(f"{folder}: is not a folder of a sweep: {which}")
 
     def write(self, rows: list[tuple[bytes, dict]]) -> Path:
-        """Keep cases, given as (key, values), in one shard; it is there whole or not at all.
+        """Write cases, given as (key, values), to one shard, whole or not at all; returns its path.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class Store:
         return path
 
     def read(self, names: tuple[str, ...] | None = None, *, repair: bool = False) -> Finished:
-        """The union of all shards; where a case is there more than once, one that ended well.
+        """Read the union of all shards; of a case with several rows, the one that got furthest.
 
         Parameters
         ----------
@@ -111,19 +111,20 @@ class Store:
         parts = [_unpacked(content, names) for content in self._contents(repair)]
         if not parts:
             return Finished()
-        every = dict.fromkeys(name for part in parts for name in part.values)
+        columns = dict.fromkeys(name for part in parts for name in part.values)
         values = {
-            name: np.concatenate([part.values.get(name, _missing(name, len(part))) for part in parts]) for name in every
+            name: np.concatenate([part.values.get(name, _missing(name, len(part))) for part in parts])
+            for name in columns
         }
-        whole = Finished(
+        union = Finished(
             np.concatenate([part.keys for part in parts]), values, np.concatenate([part.messages for part in parts])
         )
-        return _each_once(whole)
+        return _each_once(union)
 
     def finished(self, *, repair: bool = False) -> np.ndarray:
         """Keys of the cases that ended by themselves, sorted; others are run again."""
-        every = self.read(("status",), repair=repair)
-        return every.keys[every.status < FIRST_UNFINISHED]
+        stored = self.read(("status",), repair=repair)
+        return stored.keys[stored.status < FIRST_UNFINISHED]
 
     def _contents(self, repair: bool) -> Iterator[bytes]:
         for path in sorted((self.folder / "shards").glob("*.nc")):
@@ -143,15 +144,15 @@ class Store:
             _log.warning("%s is damaged (its content is not what was written): %s", path, where)
 
     def remove_leftovers(self) -> None:
-        """Remove what killed writers left; only while no other runner is at work."""
+        """Remove temporary files of killed writers; only while no other run is in progress."""
         for path in [*self.folder.glob("*/.*.tmp"), *self.folder.glob(".*.tmp")]:
             path.unlink(missing_ok=True)
 
     @contextmanager
     def lock(self, part: tuple[int, int] | None):
-        """Hold the folder, or one part of it, while a run is at work in it.
+        """Hold the folder, or one part of it, during a run.
 
-        The system gives the hold up when the process ends, however it ends.
+        The system releases it when the process ends, however it ends.
 
         Raises
         ------
@@ -172,12 +173,12 @@ class Store:
 
     def _held(self, what: str = "") -> str:
         return (
-            f"another run is at work on {what}{self.folder} (see warpdamp status {self.folder}): wait for it, stop it, "
+            f"another run is in progress on {what}{self.folder} (see warpdamp status {self.folder}): wait, stop it, "
             "or share the work, each run with its own --part, as --part 1/2 and --part 2/2"
         )
 
     def in_use(self) -> bool:
-        """Whether a run is at work in the folder."""
+        """Whether a run is in progress in the folder."""
         with locked(self.folder / ".lock", shared=False) as free:
             return not free
 
@@ -191,7 +192,7 @@ def _missing(name: str, n: int) -> np.ndarray:
 
 
 def _packed(rows: list[tuple[bytes, dict]]) -> bytes:
-    """A shard's content."""
+    """Content of a shard."""
     from netCDF4 import Dataset
 
     names = dict.fromkeys(name for _, values in rows for name in values if name != "message")
@@ -218,18 +219,18 @@ def _unpacked(content: bytes, names) -> Finished:
     with Dataset("shard.nc", memory=content) as file:
         file.set_auto_mask(False)
         keys = np.ascontiguousarray(file["key"][:]).view(f"S{KEY}").ravel()
-        wanted = [name for name in file.variables if name not in ("key", "message")]
-        values = {name: file[name][:] for name in wanted if names is None or name in names}
+        stored = [name for name in file.variables if name not in ("key", "message")]
+        values = {name: file[name][:] for name in stored if names is None or name in names}
         messages = np.full(len(keys), "", object)
         if names is None:
             messages[:] = file["message"][:]
     return Finished(keys, values, messages)
 
 
-def _each_once(every: Finished) -> Finished:
-    """Sorted by key; of several with one key, the one that got furthest."""
-    order = np.lexsort((every.status, every.keys))
-    keys = every.keys[order]
+def _each_once(cases: Finished) -> Finished:
+    """Cases sorted by key; of several with one key, the one that got furthest."""
+    order = np.lexsort((cases.status, cases.keys))
+    keys = cases.keys[order]
     first = np.concatenate([[True], keys[1:] != keys[:-1]])
     chosen = order[first]
-    return Finished(every.keys[chosen], {name: v[chosen] for name, v in every.values.items()}, every.messages[chosen])
+    return Finished(cases.keys[chosen], {name: v[chosen] for name, v in cases.values.items()}, cases.messages[chosen])

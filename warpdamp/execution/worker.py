@@ -1,4 +1,4 @@
-"""What a worker does: shake a batch of cases and keep them."""
+"""Work of a worker: make a bed, or run a batch of cases and store it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Work:
 
 @dataclass
 class Outcome:
-    """What a worker tells of a batch; the results themselves are on disk.
+    """Summary of a batch; the results themselves are on disk.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Outcome:
     unfinished : those of them that could not be run
     seconds : of wall time
     cpu : of processor time, and what of it was spent in advancing cases [s]
-    said : log records (level, message)
+    records : log records (level, message)
     """
 
     cases: int = 0
@@ -53,35 +53,35 @@ class Outcome:
     seconds: float = 0.0
     cpu: float = 0.0
     advancing: float = 0.0
-    said: list[tuple[int, str]] = field(default_factory=list)
+    records: list[tuple[int, str]] = field(default_factory=list)
 
 
 def shake_and_keep(folder: str, work: Work) -> Outcome:
-    """Run a batch and keep it in a shard of the store in ``folder``.
+    """Run a batch and write it to a shard of the store in ``folder``.
 
     Raises
     ------
     OSError, StoreError
         If results, beds or kernels cannot be kept, as on a full disk.
     """
-    with _alone, _listening() as said:
+    with _alone, _LogRecords() as records:
         started, cpu = time.perf_counter(), time.process_time()
         results = _values(work.chains, work.criteria)
         Store(folder).write([(work.keys[index], values) for index, values in results])
         failures = [value["message"] for _, value in results if value["status"] >= FIRST_UNFINISHED]
-        said += [(logging.WARNING, f"a case failed: {message}") for message in failures]
+        records += [(logging.WARNING, f"a case failed: {message}") for message in failures]
         return Outcome(
             cases=len(results),
             unfinished=len(failures),
             seconds=time.perf_counter() - started,
             cpu=time.process_time() - cpu,
             advancing=sum(value.get("cpu_time", 0.0) for _, value in results),
-            said=said,
+            records=records,
         )
 
 
 def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[int, ...], dict]]:
-    """Results of chains; one that raises is a value with a message, and does not take others along."""
+    """Results of chains; a chain that raises becomes values with a message, and does not affect the others."""
     from ..damper.shake import shake
 
     try:
@@ -90,13 +90,13 @@ def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[in
         raise
     except Exception as error:
         if len(chains) == 1:
-            said = f"{type(error).__name__}: {error}"
-            return [(spec.index, {"status": int(Status.FAILED), "message": said}) for spec in chains[0]]
+            message = f"{type(error).__name__}: {error}"
+            return [(spec.index, {"status": int(Status.FAILED), "message": message}) for spec in chains[0]]
     return [result for chain in chains for result in _values([chain], criteria)]
 
 
 def make_bed(request: Request) -> tuple[str, str] | None:
-    """Make a bed and keep it; if that cannot be, what to say, and the configuration's key to look at."""
+    """Make a bed and store it; returns None, or why that failed and the configuration's key to look at."""
     from ..damper.preparation import prepare
 
     with _alone:
@@ -111,16 +111,16 @@ def make_bed(request: Request) -> tuple[str, str] | None:
     return None
 
 
-class _listening(logging.Handler):
-    """Collects what warpdamp logs."""
+class _LogRecords(logging.Handler):
+    """Logging handler that collects what warpdamp logs."""
 
     def __enter__(self) -> list[tuple[int, str]]:
-        self.said: list[tuple[int, str]] = []
+        self.records: list[tuple[int, str]] = []
         logging.getLogger("warpdamp").addHandler(self)
-        return self.said
+        return self.records
 
     def __exit__(self, *_):
         logging.getLogger("warpdamp").removeHandler(self)
 
     def emit(self, record):
-        self.said.append((record.levelno, record.getMessage()))
+        self.records.append((record.levelno, record.getMessage()))

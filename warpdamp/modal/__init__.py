@@ -1,1 +1,1 @@
-"""From structures to modes, and from dissipated energy to modal damping and frequency response."""
+"""Modes of structures, and modal damping and frequency response from dissipated energy."""

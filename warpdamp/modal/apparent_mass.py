@@ -1,4 +1,4 @@
-"""The mass that a structure feels of a damper, as a describing function of frequency and amplitude.
+"""Apparent mass of a damper: what a structure feels, as a describing function of frequency and amplitude.
 
 The enclosure at x = Re(X exp(j w t)) is pushed by its particles with the first harmonic F1 = w^2 X (m' - j m''):
 m' is the apparent mass and m'' = W / (pi w^2 X^2) the mass in quadrature, which carries the work W of a cycle.  A block
@@ -26,7 +26,12 @@ if TYPE_CHECKING:
 
 
 def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
-    """The apparent mass m' and the mass in quadrature m'' [kg] of every case, mean over seeds.
+    """Apparent mass m' and mass in quadrature m'' [kg] of every case, mean over seeds.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results.
 
     Returns
     -------
@@ -46,10 +51,15 @@ def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
 def corrected(dataset: xr.Dataset) -> xr.Dataset:
     """Natural frequency, strain energy and damping of every mode with the mass that it feels at each Gamma.
 
-    The paper counts the particles as a rigid mass m (its limitation iii).  Here the modes are made anew with m' in its
+    The paper counts the particles as a rigid mass m (its limitation iii).  Here the modes are recomputed with m' in its
     place, as found at each mode's frequency (see ``loaded_modes``): frequency and shape change, and at a given Gamma
     the displacement Gamma g / w^2 with them.  The mass in quadrature is kept, so zeta = m'' phi^2 / 2; the bare
     structure's damping is added unchanged.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a study with a structure.
 
     Returns
     -------
@@ -61,6 +71,14 @@ def corrected(dataset: xr.Dataset) -> xr.Dataset:
     ------
     ModalError
         If the Dataset has no modes.
+
+    Examples
+    --------
+    >>> from warpdamp import corrected, open_results
+    >>> modes = corrected(open_results("docs/beam.nc"))
+    >>> first = modes["corrected_natural_frequency"].sel(mode=1)
+    >>> [round(float(first.sel(gamma=gamma)), 1) for gamma in (0.5, 5)]  # particles at rest, and flying [Hz]
+    [39.5, 40.2]
     """
     import xarray as xr
 
@@ -134,7 +152,15 @@ def loaded_modes(frequency, amplitude, extra) -> tuple[np.ndarray, np.ndarray]:
 
 
 def per_mode(dataset: xr.Dataset, values):
-    """What was found at the modes' frequencies, on ``mode`` instead of ``frequency``."""
+    """Values at the modes' frequencies, on the dimension ``mode`` instead of ``frequency``.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results of a study at the modes of a structure.
+    values : xarray.DataArray or xarray.Dataset
+        On ``frequency``, one for each mode.
+    """
     return values.rename(frequency="mode").assign_coords(mode=dataset["mode"])
 
 
@@ -144,6 +170,7 @@ def require_modes(dataset: xr.Dataset) -> None:
     Raises
     ------
     ModalError
+        If the Dataset has no modes.
     """
     if "natural_frequency" not in dataset:
         raise ModalError("these results have no modes: run a study with a structure and `frequency: modes`")
@@ -151,7 +178,7 @@ def require_modes(dataset: xr.Dataset) -> None:
 
 @dataclass(frozen=True)
 class ComplexMass:
-    """m' - j m'' as a function of frequency and Gamma.
+    """Complex mass m' - j m'' of the damper as a function of frequency and Gamma.
 
     Between Gammas by monotone cubics (PCHIP): no overshoot, and no corner to trip a continuation.  Between frequencies
     in the logarithm of f: straight if the damper was run at a list of frequencies; if it was run at a structure's modes
@@ -174,7 +201,7 @@ class ComplexMass:
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> ComplexMass:
-        """The mean over seeds of a Dataset; Gammas at which a case failed are left out.
+        """Complex mass of a Dataset, mean over seeds; Gammas at which a case failed are left out.
 
         Raises
         ------
@@ -214,7 +241,7 @@ class ComplexMass:
         return np.sum(mass * self._weights(frequency), axis=-1)
 
     def within(self, gamma) -> np.ndarray:
-        """Whether Gammas lie in the range of the results."""
+        """Whether Gammas lie in the range of the results, (...) array of bool."""
         return (np.asarray(gamma) >= self.gamma[0]) & (np.asarray(gamma) <= self.gamma[-1])
 
     @cached_property

@@ -12,7 +12,19 @@ import numpy as np
 
 
 def complex_mode(mass_ratio: float, stiffness_ratio: float, effectiveness: float = 1.0) -> complex:
-    """w^2 (1 + j eta) [k_h / m_h] of the even mode, the eigenvalue of K u = w^2 (1 + j eta) M u."""
+    """Eigenvalue w^2 (1 + j eta) of the even mode [k_h / m_h], of K u = w^2 (1 + j eta) M u.
+
+    Parameters
+    ----------
+    mass_ratio, stiffness_ratio : float
+        r_m and r_k [-].
+    effectiveness : float
+        eps [-].
+
+    Returns
+    -------
+    complex
+    """
     stiffness, mass = _matrices(mass_ratio, stiffness_ratio)
     loss = np.diag([0.0, 4 / math.pi * effectiveness * mass_ratio])
     values = np.linalg.eigvals(np.linalg.solve(mass - 1j * loss, stiffness))
@@ -20,7 +32,19 @@ def complex_mode(mass_ratio: float, stiffness_ratio: float, effectiveness: float
 
 
 def real_mode(mass_ratio: float, stiffness_ratio: float, effectiveness: float = 1.0) -> tuple[float, float]:
-    """w^2 [k_h / m_h] of the undamped even mode, and its damping ratio by eq. 6, zeta = m'' phi^2 / 2."""
+    """Square of the undamped even mode's frequency [k_h / m_h], and its damping ratio by eq. 6, zeta = m'' phi^2 / 2.
+
+    Parameters
+    ----------
+    mass_ratio, stiffness_ratio : float
+        r_m and r_k [-].
+    effectiveness : float
+        eps [-].
+
+    Returns
+    -------
+    square, damping_ratio : float
+    """
     from scipy.linalg import eigh
 
     stiffness, mass = _matrices(mass_ratio, stiffness_ratio)
@@ -29,18 +53,21 @@ def real_mode(mass_ratio: float, stiffness_ratio: float, effectiveness: float = 
 
 
 def pole_damping(square: complex) -> float:
-    """Damping ratio -Re s / |s| of the free decay exp(s t), s = j w sqrt(1 + j eta)."""
+    """Damping ratio [-] of the free decay exp(s t), -Re s / |s| with s = j w sqrt(1 + j eta), from w^2 (1 + j eta)."""
     s = 1j * np.sqrt(square)
     return float(abs(s.real) / abs(s))
 
 
 def energy_damping(square: complex) -> float:
-    """Half the loss factor, eta / 2: energy lost per cycle over 4 pi times the kinetic energy, as eq. 6 counts it."""
+    """Half the loss factor, eta / 2 [-], from w^2 (1 + j eta).
+
+    That is the energy lost per cycle over 4 pi times the kinetic energy, as eq. 6 counts it.
+    """
     return square.imag / square.real / 2
 
 
 def rigid_damping(mass_ratio: float, effectiveness: float = 1.0) -> float:
-    """Damping ratio with a rigid spring, (2 / pi) eps r_m / (1 + r_m)."""
+    """Damping ratio with a rigid spring, (2 / pi) eps r_m / (1 + r_m) [-]."""
     return 2 / math.pi * effectiveness * mass_ratio / (1 + mass_ratio)
 
 

@@ -1,4 +1,4 @@
-"""A straight beam in three-dimensional finite elements, with point masses: its bending modes.
+"""Bending modes of a straight beam with point masses, in three-dimensional finite elements.
 
 The section's mesh is swept along the beam, in lengths graded towards the supports and the masses: clamps hold back
 Poisson's contraction in a boundary layer, and masses bend the beam sharply.
@@ -14,10 +14,12 @@ import numpy as np
 from scipy.sparse import diags, eye, kron, vstack
 
 from ..scene.scene import Material
-from .extrusion import Carried, converged, swept
-from .fem import Attached, Elastic, Solid, elastic_modes, extruded, graded, integrals, participation, turned
+from .eigenmodes import Attached, Elastic, elastic_modes, participation, turned
+from .extrusion import Carried, swept
+from .fem import Solid, extruded, graded, integrals
 from .mesh_error import swept_error
 from .modes import Modes
+from .reduced import converged
 from .section import Section, moments
 
 Support = Literal["clamped", "pinned", "free"]
@@ -29,20 +31,20 @@ FINEST, COARSEST = 0.125, 1.5
 
 @dataclass(frozen=True)
 class PointMass:
-    """A mass fixed to a beam: [kg], its position along the beam [m], its inertia when the beam bends there [kg m^2]."""
+    """Mass fixed to a beam: mass [kg], position along the beam [m], rotary inertia about the bending axis [kg m^2]."""
 
     mass: float
     position: float
     rotary_inertia: float = 0.0
 
     def loaded(self, mass: float) -> PointMass:
-        """The same with so much more mass [kg]."""
+        """Point mass with a further ``mass`` [kg]."""
         return replace(self, mass=self.mass + mass)
 
 
 @dataclass(frozen=True)
 class Beam:
-    """A straight beam along x.
+    """Straight beam along x.
 
     Parameters
     ----------
@@ -133,11 +135,13 @@ def _of_a_mesh(beam: Beam, section, masses, highest: int):
         return _bending_modes(reduced, rows(reduced), carried, of_line, axis, highest, 3)
 
     found = converged(extrusion, carried, modes)
-    displacement = found.reduced.displacement(found.vectors)
-    error = swept_error(section, stations, beam.material, found.squares, displacement) + found.rest / 2
-    read = rows(found.reduced)
-    gamma = participation(found.reduced, _attached(read, carried), found.vectors)
-    return station, read, found.squares, found.vectors, gamma, error
+    reduced = found.reduced
+    coefficients = reduced.coefficients(found.vectors)
+    breaks = [mass.position for mass in masses]
+    error = swept_error(section, stations, breaks, beam.material, found.squares, reduced.functions, coefficients)
+    read = rows(reduced)
+    gamma = participation(reduced, _attached(read, carried), found.vectors)
+    return station, read, found.squares, found.vectors, gamma, error + found.rest / 2
 
 
 def _bending_modes(solid: Elastic, rows, carried, of_line, axis: int, highest: int, families: int):

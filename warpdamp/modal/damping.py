@@ -1,4 +1,4 @@
-"""From energy per cycle to modal damping: the chain of the paper's eqs 4-11.
+"""Modal damping from energy per cycle: the chain of the paper's eqs 4-11.
 
 The whole chain is the identity zeta = (2 / pi) eps m phi^2, m the mass of the particles.
 """
@@ -20,37 +20,81 @@ if TYPE_CHECKING:
 
 
 def strain_energy(displacement, amplitude, frequency):
-    """Largest strain energy of the structure in a cycle [J] (eqs 9-11).
+    """Largest strain energy of the structure in a cycle, w^2 (X / phi)^2 / 2 [J] (eqs 9-11).
 
     Parameters
     ----------
-    displacement : X, at the damper [m]
-    amplitude : mass-normalised mode shape phi at the damper [kg^-0.5]
-    frequency : natural frequency [Hz]
+    displacement : float or array
+        X at the damper [m].
+    amplitude : float or array
+        Mass-normalised mode shape phi at the damper [kg^-0.5].
+    frequency : float or array
+        Natural frequency [Hz].
+
+    Returns
+    -------
+    float or array
+        Broadcast against each other.
     """
     scale = displacement / amplitude
     return 0.5 * scale**2 * (2 * math.pi * frequency) ** 2
 
 
 def damping_ratio(energy, displacement, amplitude, frequency):
-    """zeta = E / (4 pi E_strain) (eq. 6) [-], from the energy dissipated per cycle [J]."""
+    """Damping ratio zeta = E / (4 pi E_strain) [-] (eq. 6), from the energy dissipated per cycle.
+
+    Parameters
+    ----------
+    energy : float or array
+        E [J].
+    displacement, amplitude, frequency : float or array
+        See ``strain_energy``.
+
+    Returns
+    -------
+    float or array
+        Broadcast against each other.
+    """
     return energy / (4 * math.pi * strain_energy(displacement, amplitude, frequency))
 
 
 def damping_of_effectiveness(effectiveness, particle_mass, amplitude):
-    """zeta = (2 / pi) eps m phi^2 [-]: eqs 4 to 11 in one, in which frequency and amplitude cancel.
+    """Damping ratio zeta = (2 / pi) eps m phi^2 [-]: eqs 4 to 11 in one, in which frequency and amplitude cancel.
 
     Parameters
     ----------
-    effectiveness : eps [-]
-    particle_mass : m [kg]
-    amplitude : mass-normalised mode shape phi at the damper [kg^-0.5]
+    effectiveness : float or array
+        eps [-].
+    particle_mass : float or array
+        m [kg].
+    amplitude : float or array
+        Mass-normalised mode shape phi at the damper [kg^-0.5].
+
+    Returns
+    -------
+    float or array
+        Broadcast against each other.
     """
     return 2 / math.pi * effectiveness * particle_mass * amplitude**2
 
 
 def normalised_damping(energy, speed, total_mass):
-    """Energy per cycle over 0.5 m_total v^2 [-], v = Gamma g / w (eq. 19 with the square on the speed alone)."""
+    """Energy per cycle over 0.5 m_total v^2 [-], v = Gamma g / w (eq. 19 with the square on the speed alone).
+
+    Parameters
+    ----------
+    energy : float or array
+        [J].
+    speed : float or array
+        v [m/s].
+    total_mass : float or array
+        Mass of the empty damper and its particles [kg].
+
+    Returns
+    -------
+    float or array
+        Broadcast against each other.
+    """
     return energy / (0.5 * total_mass * speed**2)
 
 
@@ -107,7 +151,7 @@ def several_dampers(dataset: xr.Dataset | Sequence[xr.Dataset], dampers: Sequenc
 
 
 def _share(dataset: xr.Dataset, modes: Modes, reference: Modes, gamma: np.ndarray):
-    """What one damper adds to the damping of each mode, at Gammas of the reference; and its standard error."""
+    """Damping that one damper adds to each mode, at Gammas of the reference; and its standard error."""
     import xarray as xr
 
     run_at, natural = np.asarray(dataset["frequency"]), modes.frequency

@@ -1,4 +1,4 @@
-"""Modes written to a file, in the format of its suffix."""
+"""Export of modes to a file, in the format of its suffix."""
 
 from __future__ import annotations
 
@@ -11,7 +11,13 @@ from .modes import Modes
 
 
 def export(modes: Modes, path: Path) -> None:
-    """Write a table (.csv) or a universal file (.uff, .unv, .uf).
+    """Write modes as a table (.csv) or a universal file (.uff, .unv, .uf).
+
+    Parameters
+    ----------
+    modes : Modes
+    path : Path
+        Replaced if it exists.
 
     Raises
     ------

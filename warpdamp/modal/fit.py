@@ -1,23 +1,36 @@
 """Frequency and damping from a measured accelerance, as the experimenter finds them.
 
-All methods read the receptance H = -A / w^2 of a mode r with hysteretic damping, near its peak,
+All methods read the receptance H = -A / w^2 of a mode r near its peak,
 
-    H = C / (w_r^2 - w^2 + j eta w_r^2) + B,        zeta = eta / 2,
+    structural damping:   H = C / (w_r^2 - w^2 + j eta w_r^2) + B,        zeta = eta / 2,
+    viscous damping:      H = C / (w_r^2 - w^2 + 2 j zeta w_r w) + B,
 
 C the modal constant (phi^2 at a driving point) and B what the other modes leave there.  They differ in what they take B
-for: the line fit leaves it out; Dobson's fit and the circle fit take it for a constant; least squares fits the other
-modes themselves, and residuals for those out of the band.
+for: the line fit leaves it out; Dobson's fit and the circle fit take it for a constant; least squares, in
+``fit_together``, fits the other modes themselves, and residuals for those out of the band.
+
+Both dampings are one pole p on a straight axis,
+
+    h = C / (p - x) + b:    structural  h = H,     x = w^2,            p = w_r^2 (1 + j eta)
+                            viscous     h = w H,   x = w - w_r^2 / w,  p = 2 j zeta w_r,
+
+so that the fits of one mode are written once; of viscous damping w_r is found by iteration.
+
+Standard errors of the fits of one mode are those of a jackknife: every tenth of the band's points left out in turn.
 
 References
 ----------
 Ewins, Modal Testing, 2nd ed. (2000), chapter 4: line fit, circle fit.
 Dobson, A straight-line technique for extracting modal properties from frequency response data, Mech. Syst. Signal
 Process. 1 (1987) 29-40, doi:10.1016/0888-3270(87)90081-9.
+Miller, The jackknife - a review, Biometrika 61 (1974) 1-15, doi:10.1093/biomet/61.1.1.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
@@ -27,18 +40,32 @@ FEWEST_POINTS = 5
 """In a band: two straight lines have four coefficients."""
 NEAR = 1.2
 """A peak within this factor of where it is looked for is the one meant."""
+GROUPS = 10
+"""Of points that the jackknife leaves out in turn."""
+FIXED_POINTS = 200
+"""Of a band, that Dobson's differences are taken from at most."""
+ITERATIONS = 50
+"""Of a viscous mode's natural frequency; each divides its error by 1 / zeta or so."""
+
+
+class Damping(StrEnum):
+    """What the damping of a mode goes with: its displacement, or its velocity."""
+
+    STRUCTURAL = "structural"
+    VISCOUS = "viscous"
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A mode found in an FRF.
+    """Mode fitted to an FRF.
 
     Parameters
     ----------
     frequency : natural frequency [Hz]
-    damping_ratio : zeta = eta / 2 [-]
+    damping_ratio : zeta = eta / 2 [-]; negative where the response runs ahead of the force
     modal_constant : C [kg^-1], complex where the method allows it
-    frequency_error, damping_ratio_error : standard errors by the scatter about the fit; NaN if the method has none
+    frequency_error, damping_ratio_error : standard errors by the scatter about the fit
+    quality : coefficient of determination of the fitted accelerance in the band [-]
     """
 
     frequency: float
@@ -46,10 +73,11 @@ class Fit:
     modal_constant: complex
     frequency_error: float = np.nan
     damping_ratio_error: float = np.nan
+    quality: float = np.nan
 
 
 def half_power_band(frequency, accelerance, near: float) -> slice:
-    """The points round the peak next to ``near`` whose accelerance is at least 1 / sqrt 2 of the peak's.
+    """Slice of the points round the peak next to ``near`` whose accelerance is at least 1 / sqrt 2 of the peak's.
 
     Parameters
     ----------
@@ -65,7 +93,7 @@ def half_power_band(frequency, accelerance, near: float) -> slice:
     from scipy.signal import find_peaks
 
     frequency, size = np.asarray(frequency), np.abs(accelerance)
-    peaks, _ = find_peaks(np.log(size), prominence=np.log(2) / 2)
+    peaks, _ = find_peaks(levels(size), prominence=np.log(2) / 2)
     away = np.abs(np.log(frequency[peaks] / near))
     if not len(peaks) or away.min() > np.log(NEAR):
         known = ", ".join(f"{f:.4g}" for f in frequency[peaks]) or "none"
@@ -84,140 +112,142 @@ def half_power_band(frequency, accelerance, near: float) -> slice:
     return slice(first, last)
 
 
-def line_fit(frequency, accelerance) -> Fit:
-    """Line fit: the real and the imaginary part of 1 / H are straight lines over w^2, (w_r^2 - w^2 + j eta w_r^2) / C.
+def levels(size) -> np.ndarray:
+    """Logarithm of sizes, those of nothing as far below the largest as doubles reach."""
+    return np.log(np.maximum(size, np.max(size) * np.finfo(float).tiny) + np.finfo(float).tiny)
+
+
+def line_fit(frequency, accelerance, damping: Damping = Damping.STRUCTURAL) -> Fit:
+    """Line fit: the real and the imaginary part of 1 / h are straight lines over x, (p - x) / C.
 
     The natural frequency is where the real line crosses zero; the damping is the imaginary line there, over the real
     line's slope.  Neighbouring modes bias it: B bends both lines.
-    """
-    scale, x, h = _receptance(frequency, accelerance)
-    real, real_cov = np.polyfit(x, (1 / h).real, 1, cov=True)
-    imaginary, imaginary_cov = np.polyfit(x, (1 / h).imag, 1, cov=True)
-
-    def modal(p):
-        square = -p[1] / p[0]
-        return np.array([np.sqrt(square) * scale, -(p[2] * square + p[3]) / (p[0] * square) / 2])
-
-    lines = np.concatenate([real, imaginary])
-    error = _propagated(modal, lines, np.block([[real_cov, np.zeros((2, 2))], [np.zeros((2, 2)), imaginary_cov]]))
-    return Fit(*map(float, modal(lines)), complex(-1 / real[0]), *error)
-
-
-def dobson(frequency, accelerance) -> Fit:
-    """Dobson's fit: differences from a fixed point W, (w^2 - W^2) / (H(w) - H(W)), are free of a constant B.
-
-    They are (w_r^2 - w^2 + j eta w_r^2) (w_r^2 - W^2 + j eta w_r^2) / C: straight over w^2 for each W, with slopes that
-    are straight over W^2.  Every point of the band serves as W.  Points weigh by the size of the difference, which is
-    what keeps their noise in bounds near W.
-    """
-    scale, x, h = _receptance(frequency, accelerance)
-    slope, weight = np.empty(len(x), complex), np.empty(len(x))
-    for k in range(len(x)):
-        rest = np.arange(len(x)) != k
-        span, difference = x[rest] - x[k], h[rest] - h[k]
-        slope[k], weight[k] = _line_slope(x[rest], span / difference, np.abs(difference) ** 2 / np.abs(span))
-    across = np.stack([np.ones(len(x)), x], axis=1) * weight[:, None]
-    (at_zero, slope_of_slopes), *_ = np.linalg.lstsq(across, slope * weight, rcond=None)
-    square = -at_zero / slope_of_slopes  # w_r^2 (1 + j eta)
-    return Fit(*_modal(square, scale), complex(1 / slope_of_slopes))
-
-
-def circle_fit(frequency, accelerance) -> Fit:
-    """Circle fit: H runs along a circle of diameter C / (eta w_r^2), moved by B, and its angle tells the frequency.
-
-    Seen from the centre the angle is psi + 2 atan((w_r^2 - w^2) / (eta w_r^2)), fitted to all points at once: the same
-    as the mean over all pairs of points, each weighed as its spacing deserves.
-    """
-    from scipy.optimize import least_squares as solve
-
-    scale, x, h = _receptance(frequency, accelerance)
-    (a, b, c), *_ = np.linalg.lstsq(np.stack([h.real, h.imag, np.ones(len(h))], axis=1), np.abs(h) ** 2, rcond=None)
-    start = np.array([a / 2, b / 2, np.sqrt(c + (a**2 + b**2) / 4)])
-    circle = solve(lambda p: np.abs(h - p[0] - 1j * p[1]) - p[2], start, x_scale=start[2]).x
-    angle = np.unwrap(np.angle(h - circle[0] - 1j * circle[1]))
-    peak = int(np.argmax(np.abs(accelerance)))
-    width = (x[-1] - x[0]) / 2
-    sweep = solve(
-        lambda p: angle - p[0] - 2 * np.arctan((p[1] - x) / p[2]),
-        [angle[peak], x[peak], width],
-        x_scale=[1, width, width],
-    )
-    psi, square, loss = sweep.x
-    turn = np.exp(1j * (psi + np.pi / 2))  # at resonance H - B = C / (j eta w_r^2)
-    return Fit(*_modal(square + 1j * loss, scale), complex(2 * circle[2] * loss * turn))
-
-
-def least_squares(frequency, accelerance, start: list[Fit]) -> list[Fit]:
-    """Several modes at once, with residuals for the modes below and above the data.
-
-    A = sum C_r w^2 / (w^2 - w_r^2 (1 + j eta_r)) + below - above w^2, each point weighed by its own size.  Frequencies
-    and loss factors are sought; modal constants and residuals, complex as a damper at one point makes them, are linear
-    and solved for on the way (variable projection).
 
     Parameters
     ----------
     frequency, accelerance : (n,) arrays [Hz], [m s^-2 N^-1]
-        Of all modes' bands together.
-    start : first guesses
+    damping : structural or viscous
 
     Raises
     ------
     ModalError
-        If there are fewer points than unknowns, or if the iteration does not end.
+        If the lines are those of no resonance.
     """
+    return _one_mode(_line, frequency, accelerance, damping, residual=False)
+
+
+def dobson(frequency, accelerance, damping: Damping = Damping.STRUCTURAL) -> Fit:
+    """Dobson's fit: differences from a fixed point W, (x - X) / (h(x) - h(X)), are free of a constant B.
+
+    They are (p - x) (p - X) / C: straight over x for each W, with slopes that are straight over X.  Every point of the
+    band serves as W, of long bands 200 of them.  Points weigh by the size of the difference, which is what keeps their
+    noise in bounds near W.
+
+    Parameters and errors as of ``line_fit``.
+    """
+    return _one_mode(_differences, frequency, accelerance, damping)
+
+
+def circle_fit(frequency, accelerance, damping: Damping = Damping.STRUCTURAL) -> Fit:
+    """Circle fit: h runs along a circle of diameter C / Im p, moved by B, and its angle tells the frequency.
+
+    Seen from the centre the angle is psi + 2 atan((Re p - x) / Im p), fitted to all points at once: the same as the
+    mean over all pairs of points, each weighed as its spacing deserves.
+
+    Parameters and errors as of ``line_fit``.
+    """
+    return _one_mode(_circle, frequency, accelerance, damping)
+
+
+def _line(x, h) -> tuple[complex, complex]:
+    """Pole and modal constant by two straight lines."""
+    real, imaginary = (np.polyfit(x, part, 1) for part in ((1 / h).real, (1 / h).imag))
+    at = -real[1] / real[0]
+    return complex(at, -np.polyval(imaginary, at) / real[0]), complex(-1 / real[0])
+
+
+def _differences(x, h) -> tuple[complex, complex]:
+    """Pole and modal constant by Dobson's differences."""
+    fixed = np.unique(np.linspace(0, len(x) - 1, min(len(x), FIXED_POINTS)).astype(int))
+    slope, weight = np.empty(len(fixed), complex), np.empty(len(fixed))
+    for row, k in enumerate(fixed):
+        rest = np.arange(len(x)) != k
+        span, difference = x[rest] - x[k], h[rest] - h[k]
+        slope[row], weight[row] = _line_slope(x[rest], span / difference, np.abs(difference) ** 2 / np.abs(span))
+    across = np.stack([np.ones(len(fixed)), x[fixed]], axis=1) * weight[:, None]
+    (at_zero, slope_of_slopes), *_ = np.linalg.lstsq(across, slope * weight, rcond=None)
+    return complex(-at_zero / slope_of_slopes), complex(1 / slope_of_slopes)
+
+
+def _circle(x, h) -> tuple[complex, complex]:
+    """Pole and modal constant by the angle along a circle; the circle is as large as it is, whatever the damping."""
     from scipy.optimize import least_squares as solve
 
+    (a, b, c), *_ = np.linalg.lstsq(np.stack([h.real, h.imag, np.ones(len(h))], axis=1), np.abs(h) ** 2, rcond=None)
+    start = np.array([a / 2, b / 2, np.sqrt(c + (a**2 + b**2) / 4)])
+    circle = solve(lambda p: np.abs(h - p[0] - 1j * p[1]) - p[2], start, x_scale=start[2]).x
+    angle = np.unwrap(np.angle(h - circle[0] - 1j * circle[1]))
+    peak = int(np.argmax(np.abs(h)))
+    width = (x[-1] - x[0]) / 2
+    sweep = solve(
+        lambda p: angle - p[0] - 2 * np.arctan((p[1] - x) / p[2]),
+        [angle[peak], x[peak], width if angle[-1] < angle[0] else -width],
+        x_scale=[1, width, width],
+    )
+    psi, at, loss = sweep.x
+    turn = np.exp(1j * (psi + np.pi / 2))  # at resonance h - b = C / (j Im p)
+    return complex(at, loss), complex(2 * circle[2] * loss * turn)
+
+
+def _one_mode(solve: Callable, frequency, accelerance, damping: Damping, *, residual: bool = True) -> Fit:
+    """A fit with its standard errors and its quality; ``residual``: with a constant b."""
     f, a = np.asarray(frequency, float), np.asarray(accelerance, complex)
-    count = len(start)
-    scale = np.array([g.frequency for g in start] + [g.damping_ratio for g in start])
-    unknowns = 2 * count + 2 * (count + 2)
-    if 2 * len(f) <= unknowns:
-        raise ModalError(f"{len(f)} points cannot tell {unknowns} unknowns: fit fewer modes or give more points")
-    wanted = a / np.abs(a)
-
-    def columns(p):
-        own, zeta = p[:count] * scale[:count], p[count:] * scale[count:]
-        modes = f[:, None] ** 2 / (f[:, None] ** 2 - own**2 * (1 + 2j * zeta))
-        residuals = np.stack([np.ones(len(f)), -((f / f[-1]) ** 2)], axis=1)
-        return np.concatenate([modes, residuals], axis=1) / np.abs(a)[:, None]
-
-    def constants(p):
-        return np.linalg.lstsq(columns(p), wanted, rcond=None)[0]
-
-    def misfit(p):
-        return _parts(columns(p) @ constants(p) - wanted)
-
-    found = solve(misfit, np.ones(2 * count), xtol=1e-12, ftol=1e-12)
-    if not found.success:
-        raise ModalError(f"the least-squares fit did not end: {found.message}")
-    value, constant = found.x * scale, constants(found.x)
-    moved = [_parts((columns(found.x + h) - columns(found.x - h)) @ constant / 2e-7) for h in 1e-7 * np.eye(2 * count)]
-    every = columns(found.x)
-    slopes = np.concatenate([np.stack(moved, axis=1), _parts(every), _parts(1j * every)], axis=1)
-    variance = 2 * found.cost / (2 * len(f) - unknowns)
-    error = np.sqrt(variance * np.diag(np.linalg.pinv(slopes.T @ slopes))[: 2 * count]) * scale
-    return [
-        Fit(*map(float, value[[r, count + r]]), complex(constant[r]), *map(float, error[[r, count + r]]))
-        for r in range(count)
-    ]
+    try:
+        with np.errstate(all="ignore"):  # what is not finite is refused
+            found, fitted = _pole(solve, f, a, damping, residual)
+            groups = min(len(f), GROUPS)
+            parts = [_pole(solve, f[left], a[left], damping, residual)[0] for left in _left_out(len(f), groups)]
+    except (np.linalg.LinAlgError, ValueError) as error:
+        raise ModalError(f"the points from {f[0]:.4g} to {f[-1]:.4g} Hz are those of no resonance") from error
+    values = np.array([[part.frequency, part.damping_ratio] for part in parts])
+    error = np.sqrt((groups - 1) * np.mean((values - values.mean(axis=0)) ** 2, axis=0))
+    return replace(
+        found, frequency_error=float(error[0]), damping_ratio_error=float(error[1]), quality=quality(a, fitted)
+    )
 
 
-def _parts(values):
-    """Real and imaginary parts, one below the other."""
-    return np.concatenate([values.real, values.imag])
+def _left_out(count: int, groups: int):
+    """Which points are left, every group left out in turn."""
+    return (np.arange(count) % groups != k for k in range(groups))
 
 
-def _receptance(frequency, accelerance):
-    """Frequency unit fc, (f / fc)^2, and -A / (f / fc)^2: numbers near one."""
-    frequency = np.asarray(frequency, float)
-    scale = float(np.mean(frequency))
-    x = (frequency / scale) ** 2
-    return scale, x, -np.asarray(accelerance, complex) / x
+def quality(measured, fitted) -> float:
+    """Coefficient of determination of complex values, 1 - sum |a - fit|^2 / sum |a - mean|^2."""
+    return float(1 - np.sum(np.abs(measured - fitted) ** 2) / np.sum(np.abs(measured - np.mean(measured)) ** 2))
 
 
-def _modal(square: complex, scale: float) -> tuple[float, float]:
-    """Natural frequency [Hz] and damping ratio from w_r^2 (1 + j eta) in units of the scale."""
-    return float(np.sqrt(square.real) * scale), float(square.imag / square.real / 2)
+def _pole(solve: Callable, f, a, damping: Damping, residual: bool) -> tuple[Fit, np.ndarray]:
+    """The mode of a pole without errors, and the accelerance that it gives."""
+    scale = float(np.mean(f))
+    s = f / scale
+    if damping is Damping.STRUCTURAL:
+        x, h = s**2, -a / s**2
+        pole, constant = solve(x, h)
+        natural, ratio = np.sqrt(pole.real), pole.imag / pole.real / 2
+    else:
+        natural, h = s[np.argmax(np.abs(a))], -a / s
+        for _ in range(ITERATIONS):
+            x = s - natural**2 / s
+            pole, constant = solve(x, h)
+            before, natural = natural, pole.real / 2 + np.sqrt(pole.real**2 / 4 + natural**2)
+            if not abs(natural - before) > 1e-13 * natural:
+                break
+        ratio = pole.imag / natural / 2
+    if not np.isfinite([natural, ratio, abs(constant)]).all():
+        raise ValueError("no pole")
+    of_mode = constant / (pole - x)
+    rest = np.mean(h - of_mode) if residual else 0.0
+    return Fit(float(natural * scale), float(ratio), constant), (of_mode + rest) * a / h
 
 
 def _line_slope(x, y, weight):
@@ -226,10 +256,3 @@ def _line_slope(x, y, weight):
     lean = weight * (x - mean)
     steep = lean @ lean
     return lean @ (weight * (y - np.average(y, weights=weight**2))) / steep, np.sqrt(steep)
-
-
-def _propagated(function, values, covariance) -> tuple[float, ...]:
-    """Standard errors of ``function(values)`` to first order."""
-    step = 1e-6 * np.where(values == 0, 1.0, np.abs(values))
-    slope = np.array([(function(values + h) - function(values - h)) / (2 * h.sum()) for h in np.diag(step)]).T
-    return tuple(float(e) for e in np.sqrt(np.einsum("ij,jk,ik->i", slope, covariance, slope)))

@@ -38,14 +38,18 @@ PER_DECADE = 40
 
 @dataclass(frozen=True)
 class ModalModel:
-    """A structure as its modes show it at the damper's point.
+    """Structure given by its modes at the damper's point.
 
     Parameters
     ----------
-    frequency : (m,) array [Hz]
-    amplitude : (m,) array of mass-normalised mode shapes [kg^-0.5]
-    damping_ratio : (m,) array, hysteretic: loss factor eta = 2 zeta
-    particle_mass : mass of the particles already in the modes [kg]
+    frequency : (m,) array
+        Natural frequencies [Hz].
+    amplitude : (m,) array
+        Mass-normalised mode shapes [kg^-0.5].
+    damping_ratio : (m,) array
+        Hysteretic [-]: loss factor eta = 2 zeta.
+    particle_mass : float
+        Mass of the particles already in the modes [kg].
     """
 
     frequency: np.ndarray
@@ -55,7 +59,7 @@ class ModalModel:
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> ModalModel:
-        """The modes of a study's results, with the damping that the bare structure was given.
+        """Modal model of a study's results, with the damping that the bare structure was given.
 
         Raises
         ------
@@ -72,17 +76,26 @@ class ModalModel:
 
     @classmethod
     def of_modes(cls, modes: Modes, damping_ratio, particle_mass: float) -> ModalModel:
-        """Any modes; ``particle_mass`` is what they carry of the particles, 0 if nothing."""
+        """Modal model of any modes.
+
+        Parameters
+        ----------
+        modes : Modes
+        damping_ratio : float or (m,) array
+            Hysteretic [-].
+        particle_mass : float
+            Mass of the particles that the modes carry [kg]; 0: none.
+        """
         damping = np.broadcast_to(np.asarray(damping_ratio, float), modes.frequency.shape)
         return cls(modes.frequency, modes.amplitude, damping, particle_mass)
 
     def receptance(self, frequency) -> np.ndarray:
-        """H = sum phi^2 / (w_r^2 (1 + j eta) - w^2) [m/N] at frequencies [Hz]."""
+        """Receptance H = sum phi^2 / (w_r^2 (1 + j eta) - w^2) [m/N] at frequencies [Hz]."""
         w = 2 * np.pi * np.asarray(frequency, float)[..., None]
         return np.sum(self.amplitude**2 / (self._stiffness - w**2), axis=-1)
 
     def dynamic_mass(self, frequency) -> np.ndarray:
-        """Force per acceleration [kg] without the particles; add their complex mass."""
+        """Dynamic mass, force per acceleration [kg], without the particles; add their complex mass."""
         w = 2 * np.pi * np.asarray(frequency, float)
         return -self.particle_mass - 1 / (w**2 * self.receptance(frequency))
 
@@ -90,6 +103,16 @@ class ModalModel:
         """Natural frequencies [Hz] and damping ratios with the damper linearised at a Gamma, by complex modes.
 
         Eigenvalues w^2 (1 + j eta) of (diag w_r^2 (1 + j eta_r), I + phi phi^T dm), dm taken at the frequency found.
+
+        Parameters
+        ----------
+        mass : ComplexMass
+        gamma : float
+
+        Returns
+        -------
+        frequency, damping_ratio : (m,) arrays
+            [Hz], [-].
         """
         found = []
         for own, rank in zip(self.frequency, np.argsort(np.argsort(self.frequency)), strict=True):
@@ -114,26 +137,32 @@ class ModalModel:
 def accelerance(
     dataset: xr.Dataset, gamma=None, frequency=None, *, band=None, structure: ModalModel | None = None
 ) -> xr.Dataset:
-    """Accelerance at controlled Gamma, as a shaker controller measures it.
+    """Accelerance of the structure at controlled Gamma, as a shaker controller measures it [m s^-2 N^-1].
 
     Parameters
     ----------
-    dataset : results of a study, swept scalars selected
-    gamma : amplitudes (default: those of the results)
-    frequency : [Hz] (default: dense round every resonance in the band)
-    band : lowest and highest frequency [Hz] (default: from half the lowest mode to 1.25 times the highest)
-    structure : default: the study's own
+    dataset : xarray.Dataset
+        Results of a study, swept scalars selected.
+    gamma : array or None
+        Amplitudes [-] (default: those of the results).
+    frequency : (n,) array or None
+        [Hz] (default: dense round every resonance in the band).
+    band : (float, float) or None
+        Lowest and highest frequency [Hz] (default: from half the lowest mode to 1.25 times the highest).
+    structure : ModalModel or None
+        Default: the study's own.
 
     Returns
     -------
     xarray.Dataset
-        ``accelerance_real`` and ``accelerance_imaginary`` on (gamma, frequency); on (mode, gamma) the frequency and
-        damping ratio of every resonance with the damper linearised there.
+        ``accelerance_real`` and ``accelerance_imaginary`` on (gamma, frequency); on (mode, gamma) the frequency
+        [Hz] and damping ratio of every resonance with the damper linearised there.
 
     Raises
     ------
     ModalError
-        If the results have no modes or swept scalars left, or if a Gamma is outside their range.
+        If the results have no modes or swept scalars left, if a Gamma is outside their range, or if a frequency is not
+        above 0.
     """
     import xarray as xr
 
@@ -143,8 +172,10 @@ def accelerance(
         raise ModalError(f"gamma: the results reach from {mass.gamma[0]:g} to {mass.gamma[-1]:g}, {gamma} does not fit")
     resonance = np.array([own.resonances(mass, g) for g in gamma])  # (gamma, 2, mode)
     if frequency is None:
-        frequency = _grid(resonance, band or _band(own))
+        frequency = _grid(resonance, _band(own, band))
     frequency = np.asarray(frequency, float)
+    if not (np.isfinite(frequency) & (frequency > 0)).all():
+        raise ModalError("frequency: expected finite frequencies above 0 Hz")
     response = 1 / (own.dynamic_mass(frequency) + mass(frequency, gamma[:, None]))
     out = xr.Dataset(
         {
@@ -168,10 +199,14 @@ def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: ModalMo
 
     Parameters
     ----------
-    dataset : results of a study, swept scalars selected
-    forces : amplitude, or amplitudes [N]
-    band : lowest and highest frequency [Hz] (default: from half the lowest mode to 1.25 times the highest)
-    structure : default: the study's own
+    dataset : xarray.Dataset
+        Results of a study, swept scalars selected.
+    forces : float or array
+        Amplitudes [N].
+    band : (float, float) or None
+        Lowest and highest frequency [Hz] (default: from half the lowest mode to 1.25 times the highest).
+    structure : ModalModel or None
+        Default: the study's own.
 
     Returns
     -------
@@ -189,7 +224,9 @@ def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: ModalMo
 
     mass, own = ComplexMass.of(dataset), structure or ModalModel.of(dataset)
     resonance = np.array([own.resonances(mass, g) for g in mass.gamma])
-    frequency = _grid(resonance, band or _band(own))
+    frequency = _grid(resonance, _band(own, band))
+    if not np.size(forces):
+        raise ModalError("forces: give an amplitude, or several [N]")
 
     def damper(f, acceleration):  # rounding may carry the edge of the grid past the highest Gamma
         return mass(f, np.minimum(acceleration / STANDARD_GRAVITY, mass.gamma[-1]))
@@ -219,7 +256,18 @@ def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: ModalMo
 
 
 def chosen(dataset: xr.Dataset, choices: list[str]) -> xr.Dataset:
-    """The results at given values of their swept scalars, each choice as ``friction=0.5``.
+    """Results at given values of their swept scalars.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    choices : list of str
+        Each as ``friction=0.5``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Without the dimensions chosen.
 
     Raises
     ------
@@ -231,6 +279,11 @@ def chosen(dataset: xr.Dataset, choices: list[str]) -> xr.Dataset:
         if name not in dataset.dims or name in ("frequency", "gamma", "mode", "seed"):
             raise ModalError(f"{choice}: the results have no swept scalar '{name}'")
         have = dataset[name].values
+        if have.dtype.kind not in "fiu":
+            if value not in have:
+                raise ModalError(f"{choice}: choose from {', '.join(map(str, have))}")
+            dataset = dataset.sel({name: value})
+            continue
         try:
             nearest = int(np.argmin(np.abs(have - float(value))))
         except ValueError:
@@ -242,7 +295,17 @@ def chosen(dataset: xr.Dataset, choices: list[str]) -> xr.Dataset:
 
 
 def complex_accelerance(frf: xr.Dataset) -> xr.DataArray:
-    """Accelerance [m s^-2 N^-1] as complex numbers, which netCDF does not hold."""
+    """Accelerance [m s^-2 N^-1] as complex numbers, which netCDF does not hold.
+
+    Parameters
+    ----------
+    frf : xarray.Dataset
+        With ``accelerance_real`` and ``accelerance_imaginary``.
+
+    Returns
+    -------
+    xarray.DataArray
+    """
     return frf["accelerance_real"] + 1j * frf["accelerance_imaginary"]
 
 
@@ -264,8 +327,14 @@ def _bounded(own: ModalModel, mass: ComplexMass, force: float, frequency) -> Non
         )
 
 
-def _band(own: ModalModel) -> tuple[float, float]:
-    return 0.5 * float(own.frequency.min()), 1.25 * float(own.frequency.max())
+def _band(own: ModalModel, asked) -> tuple[float, float]:
+    """The band that is asked for, or one about all modes."""
+    if asked is None:
+        return 0.5 * float(own.frequency.min()), 1.25 * float(own.frequency.max())
+    low, high = map(float, asked)
+    if not 0 < low < high < np.inf:
+        raise ModalError(f"band: expected two frequencies above 0 Hz, the lower one first, got {low:g} and {high:g}")
+    return low, high
 
 
 def _grid(resonance: np.ndarray, band) -> np.ndarray:

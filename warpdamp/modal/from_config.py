@@ -1,4 +1,4 @@
-"""Where a structure's modes come from: configuration -> Modes."""
+"""Modes of the configured structure: configuration -> Modes."""
 
 from __future__ import annotations
 
@@ -11,24 +11,35 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..config.build import material
-from ..config.structure import BeamConfig, BoxConfig, PointMassConfig
+from ..config.structure import BeamConfig, BoxConfig, ModeFileConfig, PointMassConfig
 from ..config.study import Config
+from ..errors import ModalError
+from . import mode_csv, mode_nastran, mode_rst, mode_uff
+from .clamp import Clamp
+from .modes import Modes
+from .section import Circle, MeshedSection, Rectangle, Section, Tube
 
 if TYPE_CHECKING:
     from .beam import Beam, PointMass
-    from .modes import Modes
-    from .section import Section
-    from .solid import Clamp, StandingMass
+    from .solid import StandingMass
 
 
 def modes(config: Config, *, particles: float, further: Sequence[float] = ()) -> Modes:
-    """The configured modes of the structure carrying ``particles`` [kg], as the first damper sees them.
+    """Modes of the configured structure carrying ``particles``, those that the configuration asks for.
+
+    They are as the first damper sees them.
 
     Parameters
     ----------
     config : Config
-    particles : mass of those in the first damper [kg]
-    further : of those in each of the further dampers [kg] (default: they are empty)
+    particles : float
+        Mass of the particles in the first damper [kg].
+    further : sequence of floats
+        Mass of the particles in each of the further dampers [kg] (default: they are empty).
+
+    Returns
+    -------
+    Modes
 
     Raises
     ------
@@ -39,7 +50,7 @@ def modes(config: Config, *, particles: float, further: Sequence[float] = ()) ->
     with _placed(config, f"structure.{structure.source}"):
         every = _with_further(config, particles, further or [0.0] * len(config.dampers))
     with _placed(config, "structure.modes" if structure.modes else f"structure.{structure.source}"):
-        found = every.pick(structure.modes or every.number[~every.on_node])
+        found = every.pick(structure.modes or every.dampable)
     if structure.inherent_damping is None:
         return found
     given = np.asarray(structure.inherent_damping, float)
@@ -102,7 +113,7 @@ def seen_by_all(config: Config, modes: Modes) -> list[Modes]:
 
 @contextmanager
 def _placed(config: Config, key: str):
-    """What a structure's makers refuse is an error of the configuration at ``key``."""
+    """Context in which a ValueError of a structure's constructors becomes a configuration error at ``key``."""
     try:
         yield
     except (ValueError, OSError, ImportError) as error:
@@ -110,7 +121,7 @@ def _placed(config: Config, key: str):
 
 
 def beam(config: Config) -> tuple[Beam, PointMass]:
-    """The configured beam, and the empty damper on it."""
+    """Configured beam, and the empty damper on it."""
     from .beam import Beam
 
     structure = config.structure
@@ -133,8 +144,6 @@ def _beam_modes(config: Config, particles: float) -> Modes:
 
 
 def _section(config: Config, own: BeamConfig) -> Section:
-    from .section import Circle, MeshedSection, Rectangle, Tube
-
     if own.section:
         return MeshedSection(_file(config, own.section.file), own.section.unit)
     if own.wall:
@@ -174,8 +183,6 @@ def _mesh_modes(config: Config, particles: float) -> Modes:
 
 
 def _clamp(clamp: str | BoxConfig) -> Clamp:
-    from .solid import Clamp
-
     if isinstance(clamp, str):
         return Clamp(boundary=clamp)
     limits = (clamp.x, clamp.y, clamp.z)
@@ -190,26 +197,33 @@ def _standing_masses(config: Config) -> list[StandingMass]:
 
 
 def _mode_file(config: Config, particles: float) -> Modes:
-    from .mode_csv import read_csv
-    from .mode_uff import SUFFIXES, read_uff
-
     own = config.structure.mode_file
     file = _file(config, own.file)
-    if file.suffix.lower() in SUFFIXES:
-        every = read_uff(file, modal_mass=own.modal_mass, units=own.units)
-    elif file.suffix.lower() == ".csv":
-        every = read_csv(file, modal_mass=own.modal_mass)
-    else:
-        raise ValueError(f"{file}: modes are read from .csv or {', '.join(SUFFIXES)}")
+    every = _read_modes(file, own)
     direction = _direction(own.direction)
     seen = every.at(own.position, direction) if own.node is None else every.at_label(own.node, direction)
     seen = _with_participation(seen, own.participation)
     return seen if config.structure.particles_included else seen.with_mass(particles)
 
 
-def _modes_given(config: Config, particles: float) -> Modes:
-    from .modes import Modes
+def _read_modes(file: Path, own: ModeFileConfig) -> Modes:
+    """The modes in a file, by the reader of its suffix."""
+    suffix = file.suffix.lower()
+    if suffix in mode_uff.SUFFIXES:
+        return mode_uff.read_uff(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix in mode_nastran.SUFFIXES:
+        return mode_nastran.read_nastran(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix in mode_rst.SUFFIXES:
+        return mode_rst.read_rst(file, modal_mass=own.modal_mass, units=own.units)
+    if suffix != ".csv":
+        every = (".csv", *mode_uff.SUFFIXES, *mode_nastran.SUFFIXES, *mode_rst.SUFFIXES)
+        raise ModalError(f"{file}: modes are read from {', '.join(every[:-1])} or {every[-1]}")
+    if own.units is not None:
+        raise ModalError(f"{file}: units are those of the table's columns, as x_m: leave units out")
+    return mode_csv.read_csv(file, modal_mass=own.modal_mass)
 
+
+def _modes_given(config: Config, particles: float) -> Modes:
     given = config.structure.modes_given
     elsewhere = [[damper.amplitude[k] for damper in config.dampers] for k in range(len(given))]
     alone = Modes(
@@ -258,5 +272,5 @@ def _direction(direction) -> tuple[float, float, float]:
 
 
 def _file(config: Config, name: str) -> Path:
-    """A file that a configuration names, beside it unless its path is absolute."""
+    """Path of a file that a configuration names, beside it unless it is absolute."""
     return config.folder / name

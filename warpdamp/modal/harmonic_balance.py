@@ -26,20 +26,20 @@ import numpy as np
 
 from ..errors import ModalError
 
-ModalModel = Callable[[np.ndarray], np.ndarray]
+Impedance = Callable[[np.ndarray], np.ndarray]
 """Complex force per motion at frequencies [Hz]."""
-Damper = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Complex force per motion at frequencies [Hz] and amplitudes, arrays of one shape: a describing function."""
+DescribingFunction = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Complex force per motion at frequencies [Hz] and amplitudes, arrays of one shape."""
 
 LONGEST_STEP, SHORTEST_STEP = 0.5, 1e-5
-"""Of the continuation, in cells of the grid."""
+"""Steps of the continuation, in cells of the grid."""
 SHARPEST_TURN = np.cos(np.radians(12))
-"""Between the tangents at two points in succession."""
+"""Cosine of the largest angle between the tangents at successive points."""
 
 
 @dataclass(frozen=True)
 class Branch:
-    """Solutions in the order in which the curve is followed.
+    """Branch of the response: solutions in the order in which the curve is followed.
 
     Parameters
     ----------
@@ -63,15 +63,24 @@ class Branch:
         return np.flatnonzero(step[1:] * step[:-1] < 0) + 1
 
 
-def branches(structure: ModalModel, damper: Damper, force: float, frequency, amplitude) -> list[Branch]:
-    """Every branch of the response in the window of a grid, longest first.
+def branches(structure: Impedance, damper: DescribingFunction, force: float, frequency, amplitude) -> list[Branch]:
+    """Branches of the response in the window of a grid, longest first.
 
     Parameters
     ----------
-    structure, damper : callables
-    force : amplitude F [N]
-    frequency, amplitude : increasing arrays, [Hz] and of the motion
-        Lines of the grid.  Dense where the response is sharp: the continuation steps by at most half a cell.
+    structure : callable
+        Force per unit motion at a frequency [Hz].
+    damper : callable
+        Force per unit motion at a frequency [Hz] and an amplitude.
+    force : float
+        Amplitude F [N].
+    frequency, amplitude : increasing arrays
+        Lines of the grid, [Hz] and of the motion.  Dense where the response is sharp: the continuation steps by at most
+        half a cell.
+
+    Returns
+    -------
+    list of Branch
 
     Raises
     ------
@@ -92,10 +101,21 @@ def branches(structure: ModalModel, damper: Damper, force: float, frequency, amp
     return [_branch(plane, line, closed) for line, closed in found]
 
 
-def is_stable(structure: ModalModel, damper: Damper, frequency, amplitude) -> np.ndarray:
+def is_stable(structure: Impedance, damper: DescribingFunction, frequency, amplitude) -> np.ndarray:
     """Whether states on the response are stable, from the slow equations of the amplitude.
 
     With c = 1 / (j Z_w) and p = c (Z + a Z_a), q = j c Z the Jacobian is [[Re p, Re q], [Im p, Im q]].
+
+    Parameters
+    ----------
+    structure, damper : callables
+        See ``branches``.
+    frequency, amplitude : (n,) arrays
+        [Hz] and of the motion.
+
+    Returns
+    -------
+    (n,) array of bool
     """
     f, a = np.asarray(frequency, float), np.asarray(amplitude, float)
     df, da = 1e-6 * f, 1e-6 * a
@@ -112,7 +132,7 @@ def _branch(plane, line, closed) -> Branch:
 
 
 def _distance(points, line) -> np.ndarray:
-    """From each of ``points`` (n, 2) to a polyline (m, 2)."""
+    """Distance of each of ``points`` (n, 2) from a polyline (m, 2)."""
     start, along = line[:-1], np.diff(line, axis=0)
     best = np.full(len(points), np.inf)
     for begin, way in zip(start, along, strict=True):
@@ -125,8 +145,8 @@ def _distance(points, line) -> np.ndarray:
 class _Plane:
     """The grid's own coordinates, in which a cell is a unit square and sharp peaks are round."""
 
-    structure: ModalModel
-    damper: Damper
+    structure: Impedance
+    damper: DescribingFunction
     force: float
     frequency: np.ndarray
     amplitude: np.ndarray
@@ -202,7 +222,7 @@ class _Plane:
         return tangent if tangent @ along >= 0 else -tangent
 
     def followed(self, seed):
-        """The curve through a seed, both ways to the edge of the grid or round to the seed again."""
+        """Curve through a seed, both ways to the edge of the grid or round to the seed again."""
         first = self._tangent(seed, np.array([1.0, 0.0]))
         ahead, closed = self._one_way(seed, first)
         if closed:

@@ -1,24 +1,27 @@
-"""FRFs from files, and the modal fits of every curve of an FRF Dataset."""
+"""Modal fits of every curve of an FRF Dataset, with what they are worth."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import ModalError
 from ..variables import describe
-from .fit import Fit, circle_fit, dobson, half_power_band, least_squares, line_fit
+from .fit import Damping, Fit, circle_fit, dobson, half_power_band, levels, line_fit
+from .fit_together import least_squares
 from .frf import complex_accelerance
+from .frf_units import one_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 class Method(StrEnum):
-    """How modes are fitted."""
+    """Method of modal fitting."""
 
     LINE = "line"
     DOBSON = "dobson"
@@ -27,95 +30,219 @@ class Method(StrEnum):
 
 
 ONE_MODE = {Method.LINE: line_fit, Method.DOBSON: dobson, Method.CIRCLE: circle_fit}
-FIELDS = ("frequency", "damping_ratio", "modal_constant", "frequency_error", "damping_ratio_error")
-NAMES = ("fitted_frequency", "fitted_damping_ratio", "fitted_modal_constant")
+FIELDS = {
+    "frequency": "fitted_frequency",
+    "damping_ratio": "fitted_damping_ratio",
+    "modal_constant": "fitted_modal_constant",
+    "frequency_error": "fitted_frequency_standard_error",
+    "damping_ratio_error": "fitted_damping_ratio_standard_error",
+    "quality": "fitted_quality",
+}
+"""Fields of a ``Fit``, and what they are called in a Dataset."""
+BANDS = ("band_start", "band_end", "band_lines")
+SEVERAL = ("gamma", "frf")
+"""Dimensions of an FRF Dataset along which every curve is fitted by itself."""
 
 PROMINENCE = 2.0
 """A peak stands out of the dips beside it by this factor, when nobody says where the modes are."""
+MOST_PEAKS = 30
+"""That may be found; more are noise, or nobody's reading."""
+LEAST_QUALITY = 0.5
+"""Coefficient of determination below which a fit is none: less than half of the FRF's variation in the band is its."""
+LARGEST_ERROR = 0.5
+"""Of a damping ratio's standard error over the ratio: beyond, zero is within two standard errors."""
 
 
-def fits(frf: xr.Dataset, near=None) -> xr.Dataset:
+@dataclass(frozen=True)
+class Fits:
+    """Fits of one FRF.
+
+    Parameters
+    ----------
+    found : by method and number of the peak, from 0
+    bands : half-power bands by number of the peak
+    refused : what could not be fitted, in sentences
+    """
+
+    found: dict[tuple[Method, int], Fit]
+    bands: dict[int, slice]
+    refused: list[str]
+
+
+def fits(frf: xr.Dataset, near=None, *, damping: Damping | str = Damping.STRUCTURAL) -> xr.Dataset:
     """Every mode of every FRF by every method, each in its half-power band.
 
     Least squares fits all modes together, on their bands together.
 
     Parameters
     ----------
-    frf : Dataset with ``accelerance_real`` and ``accelerance_imaginary`` on frequency, and gamma if there are several
+    frf : Dataset with ``accelerance_real`` and ``accelerance_imaginary`` on frequency, and gamma or frf if there are
+        several; lines without a value are left out
     near : frequencies near the peaks [Hz] (default: those the Dataset knows, else every peak that stands out by 6 dB)
+    damping : of the modes that are fitted, structural or viscous
 
     Returns
     -------
     xarray.Dataset
-        ``fitted_frequency``, ``fitted_damping_ratio`` and the size of ``fitted_modal_constant`` on (fit, mode,
-        gamma), with standard errors where the method has them.  NaN where a band could not be fitted; the attribute
-        ``refused`` says why.
+        On (fit, mode, gamma or frf): ``fitted_frequency`` [Hz], ``fitted_damping_ratio``, the size of
+        ``fitted_modal_constant`` [kg^-1], standard errors, and ``fitted_quality``, the coefficient of determination of
+        the fitted FRF in the band.  On (mode, gamma or frf): ``band_start`` and ``band_end`` [Hz] and ``band_lines``.
+        NaN where a band could not be fitted or the fit means nothing; the attribute ``refused`` says why.
 
     Raises
     ------
     ModalError
         If nothing could be fitted.
+
+    Examples
+    --------
+    >>> from warpdamp import accelerance, fits, open_results
+    >>> frf = accelerance(open_results("docs/beam.nc"), gamma=[2.0])
+    >>> fitted = fits(frf).sel(mode=1, gamma=2.0)
+    >>> [f"{method}: {100 * zeta:.1f} %" for method, zeta in fitted["fitted_damping_ratio"].to_series().items()]
+    ['line: 1.8 %', 'dobson: 1.8 %', 'circle: 1.8 %', 'least squares: 1.8 %']
     """
     import xarray as xr
 
+    damping = one_of(Damping, damping, "damping")
     curves = complex_accelerance(frf)
-    if others := [dim for dim in curves.dims if dim not in ("gamma", "frequency")]:
-        raise ModalError(
-            f"there are several FRFs along {others[0]}: choose one, as --at {others[0]}={float(curves[others[0]][0]):g}"
-        )
-    several = "gamma" in curves.dims
-    if not several:
+    if others := [dim for dim in curves.dims if dim not in (*SEVERAL, "frequency")]:
+        first = curves[others[0]].values[0]
+        raise ModalError(f"there are several FRFs along {others[0]}: choose one, as --at {others[0]}={first:g}")
+    several = next((dim for dim in SEVERAL if dim in curves.dims), None)
+    if several is None:
         curves = curves.expand_dims(gamma=[np.nan])
-    curves = curves.transpose("gamma", "frequency")
-    frequency = curves["frequency"].values
-    near = _near(frf, curves.values, frequency) if near is None else np.sort(np.atleast_1d(near))
-    table = np.full((len(FIELDS), len(Method), len(near), len(curves)), np.nan)
+    curves = curves.transpose(several or "gamma", "frequency").sortby("frequency")
+    frequency, values = curves["frequency"].values, curves.values
+    near = _near(frf, values, frequency) if near is None else _asked(near)
+    table = np.full((len(FIELDS), len(Method), len(near), len(values)), np.nan)
+    bands = np.full((len(BANDS), len(near), len(values)), np.nan)
     refused = []
-    for j, curve in enumerate(curves.values):
-        found, errors = fit_curve(frequency, curve, near)
-        label = f"Gamma {curves['gamma'].values[j]:g}, " if several else ""
-        refused += [label + error for error in errors]
-        for (method, mode), fit in found.items():
-            table[:, list(Method).index(method), mode, j] = [abs(getattr(fit, name)) for name in FIELDS]
+    for j, curve in enumerate(values):
+        kept = np.isfinite(curve) & (frequency > 0)
+        own = fit_curve(frequency[kept], curve[kept], near, damping)
+        label = _label(several, curves, j)
+        refused += [label + sentence for sentence in own.refused]
+        for (method, mode), fit in own.found.items():
+            values_of_fit = [abs(v) if isinstance(v, complex) else v for v in (getattr(fit, name) for name in FIELDS)]
+            table[:, list(Method).index(method), mode, j] = values_of_fit
+        for mode, band in own.bands.items():
+            inside = frequency[kept][band]
+            bands[:, mode, j] = inside[0], inside[-1], len(inside)
     if np.isnan(table[0]).all():
         raise ModalError(refused[0])
 
-    names = (*NAMES, "fitted_frequency_standard_error", "fitted_damping_ratio_standard_error")
-    own = "mode" in frf.coords and frf.sizes["mode"] == len(near)
+    dims = ("mode", several or "gamma")
+    known = "mode" in frf.coords and frf.sizes["mode"] == len(near)
     out = xr.Dataset(
-        {name: (("fit", "mode", "gamma"), values) for name, values in zip(names, table, strict=True)},
+        {name: (("fit", *dims), part) for name, part in zip(FIELDS.values(), table, strict=True)}
+        | {name: (dims, part) for name, part in zip(BANDS, bands, strict=True)},
         {
             "fit": ("fit", [str(m) for m in Method]),
-            "mode": ("mode", frf["mode"].values if own else np.arange(1, len(near) + 1)),
-            "gamma": curves["gamma"],
+            "mode": ("mode", frf["mode"].values if known else np.arange(1, len(near) + 1)),
+            dims[1]: curves[dims[1]],
         },
     )
     out.attrs = {"title": f"modal fits of {frf.attrs.get('title', 'an FRF')}", "refused": refused}
+    out.attrs |= {"damping": str(damping)} | {key: frf.attrs[key] for key in ("read_as",) if key in frf.attrs}
     return describe(out if several else out.isel(gamma=0, drop=True))
 
 
-def fit_curve(frequency, accelerance, near) -> tuple[dict[tuple[Method, int], Fit], list[str]]:
-    """Fits of one FRF by (method, number of the peak from 0), and what could not be fitted, in sentences."""
-    found, bands, errors = {}, {}, []
+def _label(several, curves, j: int) -> str:
+    """The beginning of a sentence about one of several curves."""
+    if several is None:
+        return ""
+    value = curves[several].values[j]
+    return f"Gamma {value:g}, " if several == "gamma" else f"{value}, "
+
+
+def fit_curve(frequency, accelerance, near, damping: Damping = Damping.STRUCTURAL) -> Fits:
+    """Fits of one FRF round every peak that is asked for."""
+    fits = Fits({}, {}, [])
+    if not len(frequency):
+        fits.refused.append("the FRF has no values")
+        return fits
     for mode, place in enumerate(near):
         try:
-            band = half_power_band(frequency, accelerance, place)
+            fits.bands[mode] = _new_band(frequency, accelerance, place, fits.bands.values())
         except ModalError as error:
-            errors.append(str(error))
+            fits.refused.append(str(error))
             continue
-        bands[mode] = band
+        band = fits.bands[mode]
         for method, fit in ONE_MODE.items():
-            found[method, mode] = fit(frequency[band], accelerance[band])
-    if bands:
-        together = np.concatenate([np.arange(band.start, band.stop) for band in bands.values()])
-        start = [found[Method.DOBSON, mode] for mode in bands]
-        try:
-            every = least_squares(frequency[together], accelerance[together], start)
-        except ModalError as error:
-            errors.append(str(error))
-        else:
-            found |= {(Method.LEAST_SQUARES, mode): fit for mode, fit in zip(bands, every, strict=True)}
-    return found, errors
+            _keep(fits, method, mode, frequency[band], partial(fit, frequency[band], accelerance[band], damping))
+    if fits.bands:
+        _fit_together(fits, frequency, accelerance, damping)
+    return fits
+
+
+def _new_band(frequency, accelerance, near: float, others) -> slice:
+    """The half-power band of a peak that is nobody else's."""
+    band = half_power_band(frequency, accelerance, near)
+    if band in others:
+        peak = frequency[band][np.argmax(np.abs(accelerance[band]))]
+        raise ModalError(f"near {near:g} Hz the peak is that at {peak:.4g} Hz, which is fitted already: give it once")
+    return band
+
+
+def _fit_together(fits: Fits, frequency, accelerance, damping: Damping) -> None:
+    together = np.concatenate([np.arange(band.start, band.stop) for band in fits.bands.values()])
+    start = [_start(fits, mode, frequency, accelerance) for mode in fits.bands]
+    try:
+        every = least_squares(frequency[together], accelerance[together], start, damping)
+    except ModalError as error:
+        fits.refused.append(str(error))
+        return
+    for (mode, band), fit in zip(fits.bands.items(), every, strict=True):
+        _keep(fits, Method.LEAST_SQUARES, mode, frequency[band], partial(replace, fit))
+
+
+def _start(fits: Fits, mode: int, frequency, accelerance) -> Fit:
+    """Where the least squares begin: at Dobson's fit, or at the band's peak and width."""
+    if (Method.DOBSON, mode) in fits.found:
+        return fits.found[Method.DOBSON, mode]
+    band = fits.bands[mode]
+    inside = frequency[band]
+    peak = inside[np.argmax(np.abs(accelerance[band]))]
+    return Fit(float(peak), float((inside[-1] - inside[0]) / peak / 2), 1.0)
+
+
+def _keep(fits: Fits, method: Method, mode: int, band, fitted) -> None:
+    """Keep a fit that means something; say of any other why it does not."""
+    try:
+        fit = fitted()
+        why = _meaningless(fit, band)
+    except ModalError as error:
+        why = str(error)
+    if why:
+        fits.refused.append(f"{method} fit from {band[0]:.4g} to {band[-1]:.4g} Hz: {why}")
+    else:
+        fits.found[method, mode] = fit
+
+
+def _meaningless(fit: Fit, band) -> str | None:
+    """Why a fit says nothing about a mode in its band; None if it does."""
+    ratio, error = 100 * fit.damping_ratio, 100 * fit.damping_ratio_error
+    if not band[0] <= fit.frequency <= band[-1]:
+        return f"its natural frequency, {fit.frequency:.4g} Hz, lies outside the band"
+    if not fit.damping_ratio > 0:
+        return (
+            f"its damping ratio is negative, {ratio:.3g} %: the FRF's imaginary part or phase has the other sign, or "
+            "its ordinate is another"
+        )
+    if not fit.quality >= LEAST_QUALITY:
+        return f"it explains {100 * fit.quality:.0f} % of the FRF there: noise, or no single mode"
+    if not error <= LARGEST_ERROR * ratio:
+        return f"its damping ratio, {ratio:.3g} %, has a standard error of {error:.2g} %: noise, or too few lines"
+    return None
+
+
+def _asked(near) -> np.ndarray:
+    """Frequencies near the peaks, sorted, each once."""
+    near = np.atleast_1d(np.asarray(near, float))
+    if not len(near) or not np.isfinite(near).all() or (near <= 0).any():
+        raise ModalError(f"near: expected frequencies above 0 Hz, got {', '.join(f'{f:g}' for f in near) or 'none'}")
+    return np.unique(near)
 
 
 def _near(frf: xr.Dataset, curves: np.ndarray, frequency) -> np.ndarray:
@@ -124,101 +251,16 @@ def _near(frf: xr.Dataset, curves: np.ndarray, frequency) -> np.ndarray:
 
     if "resonance_frequency" in frf:
         return frf["resonance_frequency"].mean([d for d in frf["resonance_frequency"].dims if d != "mode"]).values
-    peaks, _ = find_peaks(np.log(np.abs(curves)).mean(axis=0), prominence=np.log(PROMINENCE))
+    kept = np.isfinite(curves).all(axis=0) & (frequency > 0)
+    if not kept.any():
+        raise ModalError("the FRF has no line with a value")
+    size = np.mean([levels(np.abs(curve)) for curve in curves[:, kept]], axis=0)
+    peaks, _ = find_peaks(size, prominence=np.log(PROMINENCE))
     if not len(peaks):
         raise ModalError("the FRF has no peak that stands out by 6 dB: say where the modes are, as --near 39.5")
-    return frequency[peaks]
-
-
-def read_frf(path: Path) -> xr.Dataset:
-    """An FRF from a file: netCDF as this package writes it, CSV, or universal file (dataset 58).
-
-    A CSV file has three columns: frequency [Hz], real and imaginary part of the accelerance [m s^-2 N^-1]; its first
-    line may hold their names.  A universal file must hold one FRF; mobilities and receptances are converted.
-
-    Raises
-    ------
-    OSError
-        If the file is not there, or holds no FRF; says what is wrong.
-    """
-    path = Path(path)
-    reader = {".nc": _read_netcdf, ".csv": _read_csv, ".uff": _read_universal, ".unv": _read_universal}.get(path.suffix)
-    if reader is None:
-        raise OSError(f"{path}: name a file that ends in .nc, .csv, .uff or .unv")
-    if not path.is_file():
-        raise FileNotFoundError(f"{path}: no such file")
-    return reader(path)
-
-
-def _read_netcdf(path: Path) -> xr.Dataset:
-    import xarray as xr
-
-    try:
-        dataset = xr.load_dataset(path)
-    except ValueError:
-        raise OSError(f"{path}: is no netCDF file") from None
-    if "accelerance_real" not in dataset or "frequency" not in dataset["accelerance_real"].dims:
-        raise OSError(f"{path}: holds no FRF over frequency; `warpdamp frf RESULTS.nc -o FRF.nc` writes one")
-    return dataset
-
-
-def _read_csv(path: Path) -> xr.Dataset:
-    lines = [line.strip() for line in path.read_text(encoding="utf-8-sig").splitlines()]
-    rows = []
-    for number, line in enumerate(lines, start=1):
-        if not line or line.startswith("#"):
-            continue
-        try:
-            row = [float(cell) for cell in line.split(",")]
-        except ValueError:
-            if not rows and number == 1:  # the names of the columns
-                continue
-            row = []
-        if len(row) != 3 or not np.isfinite(row).all():
-            raise OSError(f"{path}:{number}: expected frequency, real, imaginary, got '{line}'")
-        rows.append(row)
-    if not rows:
-        raise OSError(f"{path}: holds no data; expected lines of frequency, real, imaginary")
-    frequency, real, imaginary = np.array(rows).T
-    return _dataset(path, frequency, real + 1j * imaginary)
-
-
-def _read_universal(path: Path) -> xr.Dataset:
-    try:
-        import pyuff
-    except ImportError:
-        raise OSError(f"{path}: universal files need pyuff: pip install 'warpdamp[modes]'") from None
-    found = [s for s in _sets(pyuff.UFF(str(path))) if s.get("type") == 58 and int(s.get("func_type", 0)) == 4]
-    if len(found) != 1:
-        raise OSError(
-            f"{path}: holds {len(found)} FRFs (dataset 58, function 4); expected one: write it to its own file"
+    if len(peaks) > MOST_PEAKS:
+        raise ModalError(
+            f"the FRF has {len(peaks)} peaks that stand out by 6 dB, as noise has: say where the modes are, as "
+            "--near 39.5"
         )
-    frequency, data = np.asarray(found[0]["x"], float), np.asarray(found[0]["data"], complex)
-    kind = int(found[0].get("ordinate_spec_data_type", 12))
-    derivatives = {8: 2, 11: 1, 12: 0}  # displacement, velocity, acceleration
-    if kind not in derivatives:
-        raise OSError(f"{path}: the FRF's ordinate has the data type {kind}; expected 8, 11 or 12")
-    return _dataset(path, frequency, data * (2j * np.pi * frequency) ** derivatives[kind])
-
-
-def _sets(file):
-    sets = file.read_sets()
-    return sets if isinstance(sets, list) else [sets]
-
-
-def _dataset(path: Path, frequency, accelerance) -> xr.Dataset:
-    import xarray as xr
-
-    if len(np.unique(frequency)) < len(frequency) or frequency.min() < 0:
-        raise OSError(f"{path}: frequencies must be positive, each given once")
-    order = np.argsort(frequency)
-    order = order[frequency[order] > 0]
-    out = xr.Dataset(
-        {
-            "accelerance_real": ("frequency", accelerance[order].real),
-            "accelerance_imaginary": ("frequency", accelerance[order].imag),
-        },
-        {"frequency": ("frequency", frequency[order], {"units": "Hz", "long_name": "frequency"})},
-        {"title": path.name},
-    )
-    return describe(out)
+    return frequency[kept][peaks]

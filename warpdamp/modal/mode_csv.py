@@ -1,4 +1,4 @@
-"""Modes as a CSV table: one row for each mode at each point, SI units.
+"""Modes as a CSV table: one row for each mode at each point.
 
 | column | holds |
 |---|---|
@@ -9,20 +9,37 @@
 | node | number of the point; its place in the table where the column is left out |
 | x_m, y_m, z_m | position of the point |
 | u_x, u_y, u_z | shape there; 0 where a column is left out |
+
+Other units are written as frequency [rad/s], x [mm] or x_mm; encodings, separators and decimal marks are those of
+``text_table``.
 """
 
 from __future__ import annotations
 
 import csv
+import math
 from pathlib import Path
 
 import numpy as np
 
+from ..errors import ModalError
 from ..files import whole_file
+from ..text_table import Column, TextTable, read_table
 from .modes import Modes, mass_normalised
 
-NEEDED = ("mode", "frequency_Hz", "x_m", "y_m", "z_m")
-SHAPES = ("u_x", "u_y", "u_z")
+LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
+PURE = {"": 1.0, "1": 1.0, "-": 1.0}
+UNITS = {  # quantity: what turns its units into SI
+    "mode": PURE,
+    "frequency": {"hz": 1.0, "khz": 1e3, "rad/s": 1 / (2 * math.pi)},
+    "modal_mass": {"kg": 1.0, "g": 1e-3, "t": 1e3, "lb": 0.45359237, "lbm": 0.45359237},
+    "damping_ratio": PURE | {"%": 0.01},
+    "node": PURE,
+    **dict.fromkeys(("x", "y", "z"), LENGTHS),
+    **dict.fromkeys(("u_x", "u_y", "u_z"), PURE),
+}
+NEEDED = {"mode": "mode", "frequency": "frequency_Hz", "x": "x_m", "y": "y_m", "z": "z_m"}
+PLACES, SHAPES = ("x", "y", "z"), ("u_x", "u_y", "u_z")
 COLUMNS = ("mode", "frequency_Hz", "modal_mass_kg", "damping_ratio", "node", "x_m", "y_m", "z_m", *SHAPES)
 REMEDY = (
     "add a column modal_mass_kg, or give modal_mass: the modal mass of the shapes as they are written, 1 kg if they "
@@ -40,39 +57,32 @@ def read_csv(path, *, modal_mass=None) -> Modes:
 
     Raises
     ------
-    OSError
-        If there is no such file.
     ValueError
-        If a column is missing or unknown, a cell is no number, modes differ in their points, or if a mode has no modal
-        mass.
+        A ``TableError`` if there is no such file or it is no table of numbers; a ``ModalError`` if a column is missing
+        or unknown or its unit is, a number is none that a mode can have, modes differ in their points, or if a mode has
+        no modal mass.
     """
-    rows = _rows(Path(path))
-    if ("modal_mass_kg" in rows[0]) == (modal_mass is not None):
+    table = read_table(Path(path))
+    cells = _quantities(table)
+    _check_numbers(table, cells)
+    if ("modal_mass" in cells) == (modal_mass is not None):
         said = "says the modal mass, and modal_mass says it again" if modal_mass is not None else "has no modal mass"
-        raise ValueError(f"{path} {said}: {'leave one out' if modal_mass is not None else REMEDY}")
-    blocks: dict[float, list] = {}
-    for row in rows:
-        blocks.setdefault(row["mode"], []).append(row)
-    first = next(iter(blocks.values()))
-    point = _columns(first, ("x_m", "y_m", "z_m"))
-    label = np.array([int(row.get("node", k)) for k, row in enumerate(first, 1)])
-    for number, block in blocks.items():
-        if len(block) != len(first) or not np.array_equal(_columns(block, ("x_m", "y_m", "z_m")), point):
-            raise ValueError(f"{path}: mode {number:g} is not given at the points of the first mode, in their order")
-        for name in ("frequency_Hz", "modal_mass_kg", "damping_ratio"):
-            if len({row.get(name) for row in block}) > 1:
-                raise ValueError(f"{path}: mode {number:g} has more than one {name}")
-    heads = [block[0] for block in blocks.values()]
-    masses = [row["modal_mass_kg"] for row in heads] if modal_mass is None else modal_mass
-    number = np.array([int(row["mode"]) for row in heads])
-    shape = np.array([_columns(block, SHAPES) for block in blocks.values()])
+        raise ModalError(f"{path} {said}: {'leave one out' if modal_mass is not None else REMEDY}")
+    rows = _rows_of_modes(table, cells)
+    heads, number = rows[:, 0], cells["mode"][rows[:, 0]].astype(int)
+    given = cells["modal_mass"][heads] if modal_mass is None else modal_mass
+    none = np.zeros(len(table.lines))
+    shape = np.stack([cells.get(name, none)[rows] for name in SHAPES], axis=2)
+    still = number[~np.any(shape, axis=(1, 2))]
+    if len(still):
+        raise ModalError(f"{path}: mode {still[0]} moves no point: leave it out")
     modes = Modes(
         number=number,
-        frequency=np.array([row["frequency_Hz"] for row in heads]),
-        point=point,
-        shape=mass_normalised(number, shape, masses, f"{path}: ", REMEDY),
-        inherent_damping=np.array([row.get("damping_ratio", 0.0) for row in heads]),
-        label=label,
+        frequency=cells["frequency"][heads],
+        point=np.stack([cells[name][rows[0]] for name in PLACES], axis=1),
+        shape=mass_normalised(number, shape, given, f"{path}: ", REMEDY),
+        inherent_damping=cells.get("damping_ratio", none)[heads],
+        label=cells.get("node", np.arange(len(none)) + 1)[rows[0]].astype(int),
     )
     return modes.seen_from(0, (0, 0, 1))
 
@@ -89,39 +99,88 @@ def write_csv(path, modes: Modes) -> None:
                 table.writerow((*head, label, *(repr(float(x)) for x in (*place, *shape))))
 
 
-def _rows(path: Path) -> list[dict[str, float]]:
-    """The table's rows, each cell a number."""
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        table = csv.DictReader(file, skipinitialspace=True)
-        names = [name.strip() for name in table.fieldnames or ()]
-        table.fieldnames = names
-        missing = [name for name in NEEDED if name not in names]
-        if not set(names) & set(SHAPES):
-            missing.append("u_x, u_y or u_z")
-        unknown = [name for name in names if name not in COLUMNS]
-        if missing or unknown:
-            wrong = [f"there is no column {name}" for name in missing]
-            wrong += [f"unknown column {name}" for name in unknown]
-            raise ValueError(f"{path}:1: {'; '.join(wrong)}; the columns are {', '.join(COLUMNS)}")
-        rows = [_numbers(row, f"{path}:{table.line_num}") for row in table]
-    if not rows:
-        raise ValueError(f"{path}: has no rows")
-    return rows
+def _quantities(table: TextTable) -> dict[str, np.ndarray]:
+    """The columns in SI, by their quantities."""
+    place = f"{table.file}:{max(table.header_line, 1)}"
+    known = f"the columns are {', '.join(COLUMNS)}"
+    if table.preamble:
+        odd = table.preamble[0]
+        raise ModalError(
+            f"{table.file}:{odd.line}: '{' '.join(odd.cells)}' is neither names nor numbers: delete the line"
+        )
+    if not table.columns:
+        raise ModalError(f"{place}: has no line of names above the numbers; {known}")
+    found, wrong = {}, []
+    for column, values in zip(table.columns, table.values.T, strict=True):
+        quantity, factor = _quantity(column)
+        if factor is None:
+            wrong.append(_unknown(column, quantity))
+        elif quantity in found:
+            wrong.append(f"two columns of {quantity}")
+        else:
+            found[quantity] = factor * values
+    missing = [column for name, column in NEEDED.items() if name not in found]
+    if not set(found) & set(SHAPES):
+        missing.append("u_x, u_y or u_z")
+    wrong = [f"there is no column {name}" for name in missing] + wrong
+    if wrong:
+        raise ModalError(f"{place}: {'; '.join(wrong)}; {known}")
+    return found
 
 
-def _numbers(row: dict, place: str) -> dict[str, float]:
-    numbers = {}
-    for name, cell in row.items():
-        try:
-            numbers[name] = float(cell)
-        except (TypeError, ValueError):
-            raise ValueError(f"{place}: {name or 'a cell too many'}: {cell!r} is no number") from None
-        if not np.isfinite(numbers[name]):
-            raise ValueError(f"{place}: {name}: {cell!r} is not finite")
-    if numbers["frequency_Hz"] <= 0:
-        raise ValueError(f"{place}: frequency_Hz: must be above 0; leave rigid-body modes out")
-    return numbers
+def _quantity(column: Column) -> tuple[str | None, float | None]:
+    """The quantity of a column, and what turns its unit into SI; None where they are not known."""
+    name, unit = column.name.lower().replace(" ", "_"), column.unit.lower()
+    for quantity, units in UNITS.items():
+        if name == quantity:
+            return quantity, units.get(unit)
+        if not unit and name.startswith(f"{quantity}_") and name[len(quantity) + 1 :] in units:
+            return quantity, units[name[len(quantity) + 1 :]]
+    return None, None
 
 
-def _columns(rows, names) -> np.ndarray:
-    return np.array([[row.get(name, 0.0) for name in names] for row in rows])
+def _unknown(column: Column, quantity: str | None) -> str:
+    if quantity is None:
+        return f"unknown column {column}"
+    units = ", ".join(unit for unit in UNITS[quantity] if unit not in ("", "1"))
+    said = f"the unknown unit {column.unit}" if column.unit else "no unit"
+    return f"column {column.name} has {said}: expected {units or 'none'}"
+
+
+def _check_numbers(table: TextTable, cells: dict[str, np.ndarray]) -> None:
+    """Refuses numbers that no mode can have, each at its line."""
+    whole = "expected a whole number of at least 1"
+    limits = {
+        "mode": (lambda x: (x >= 1) & (x == np.round(x)) & (x < 1e9), whole),
+        "node": (lambda x: (np.abs(x) < 1e15) & (x == np.round(x)), "expected a whole number"),
+        "frequency": (lambda x: x >= 0, "expected a frequency of at least 0"),
+        "damping_ratio": (lambda x: (x >= 0) & (x < 1), "expected a ratio of at least 0 and below 1"),
+    }
+    for name, (holds, expected) in limits.items():
+        bad = np.flatnonzero(~holds(cells[name])) if name in cells else ()
+        if len(bad):
+            raise ModalError(f"{table.file}:{table.lines[bad[0]]}: {name}: {cells[name][bad[0]]:g}: {expected}")
+
+
+def _rows_of_modes(table: TextTable, cells: dict[str, np.ndarray]) -> np.ndarray:
+    """(m, p) rows of the modes in the table, each at the points of the first, in their order."""
+    mode = cells["mode"]
+    numbers = mode[np.sort(np.unique(mode, return_index=True)[1])]
+    blocks = [np.flatnonzero(mode == number) for number in numbers]
+    point = [name for name in (*PLACES, "node") if name in cells]
+    for number, block in zip(numbers, blocks, strict=True):
+        same = len(block) == len(blocks[0]) and all(np.array_equal(cells[n][block], cells[n][blocks[0]]) for n in point)
+        if not same:
+            raise ModalError(
+                f"{table.file}: mode {number:g} is not given at the points of the first mode, in their order"
+            )
+        for name in ("frequency", "modal_mass", "damping_ratio"):
+            if name in cells and len(np.unique(cells[name][block])) > 1:
+                raise ModalError(f"{table.file}: mode {number:g} has more than one {name}: number each mode once")
+    if "node" in cells:
+        label, times = np.unique(cells["node"][blocks[0]], return_counts=True)
+        if np.any(times > 1):
+            raise ModalError(
+                f"{table.file}: node {label[times > 1][0]:g} is there twice in each mode: number each once"
+            )
+    return np.array(blocks)

@@ -1,30 +1,27 @@
-"""Modes in universal files: nodes (datasets 15, 2411), normal modes (55, 2414), units (164), by pyuff.
+"""Modes in universal files: normal modes and complex modes that are real but for a phase (datasets 55, 2414).
 
-The datasets' fields are those of the universal file's specification, https://www.ceas3.uc.edu/sdrluff/.
+What is used of every dataset, what is transformed and what is refused: docs/universal-files.md.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from ..errors import ModalError
 from ..files import whole_file
 from .modes import Modes, mass_normalised
 from .optional import needs
+from .uff_geometry import Nodes, nodes
+from .uff_geometry import units as units_of
+from .uff_records import Dataset, datasets
+from .uff_shapes import DISPLACEMENT, HEADS, NORMAL_MODE, Mode, mode_of
 
 SUFFIXES = (".uff", ".unv", ".uf")
-UNITS = {  # code, name: what turns metres and newtons into the file's units
-    1: ("SI", 1.0, 1.0),
-    2: ("BG", 3.280839895, 0.2248089431),
-    3: ("MG", 1.0, 0.1019716213),
-    4: ("BA", 3.280839895, 7.233013851),
-    5: ("MM", 1e3, 1e3),
-    6: ("CM", 1e2, 1e2),
-    7: ("IN", 39.37007874, 0.2248089431),
-    8: ("GM", 1e3, 0.1019716213),
-}
-NORMAL_MODE, DISPLACEMENT, CARTESIAN = 2, (0, 1, 8), 0
+CONTENTS = {15: "nodes", 18: "coordinate systems", 58: "functions", 82: "trace lines", 151: "header", 164: "units",
+            781: "nodes", 2411: "nodes", 2412: "elements", 2420: "coordinate systems"}  # fmt: skip
 REMEDY = (
     "export the modes with their modal mass, or give modal_mass: that of the shapes as they are in the file, 1 kg if "
     "they are mass-normalised"
@@ -32,43 +29,44 @@ REMEDY = (
 
 
 def read_uff(path, *, modal_mass=None, units=None) -> Modes:
-    """Read the real normal modes of a universal file, as a damper at its first node sees them along z.
+    """Read the modes of a universal file, as a damper at its first node sees them along z.
 
     ``Modes.at`` and ``Modes.at_label`` put the damper elsewhere.  Mass units follow from force and length, F s^2 / L.
+    Points are the nodes that have data in every mode.
 
     Parameters
     ----------
     path : of the file
     modal_mass : one, or one for each mode [kg], where the file has none
-    units : "SI", "MM", ..., as dataset 164 calls them, where the file has no such dataset
+    units : "SI", "MM", ..., as dataset 164 calls them, or "MM-N", where the file has no such dataset
 
     Raises
     ------
-    OSError
-        If there is no such file.
-    ValueError
-        If there are no nodes or normal modes in the file, if its units are not known, its displacements are not in
-        global coordinates, or if a mode has no modal mass.
+    ModalError
+        If there is no such file, no nodes or modes in it, if its units are not known, if something in it cannot be
+        applied, or if a mode has no modal mass, is complex, or its numbers are none that a mode can have.
     """
     path = Path(path)
-    sets = _sets(path)
-    length, force = _units(path, sets, units)
-    label, point = _nodes(path, sets)
-    shapes = [_shape(path, s, label) for s in sets if _is_mode(s)]
-    if not shapes:
-        raise ValueError(f"{path} holds no real normal modes (datasets 55, 2414), only {_others(sets)}")
-    number, frequency, file_mass, damping, shape = (np.array(column) for column in zip(*shapes, strict=True))
+    sets = datasets(path)
+    length, force = units_of(path, sets, units)
+    every = nodes(path, sets)
+    modes = _modes(path, sets)
+    label = _measured(path, every, modes)
     if modal_mass is None:
-        modal_mass = file_mass * length / force  # kg = N s^2 / m
-    elif np.any(file_mass > 0):
-        raise ValueError(f"{path} says the modal mass, and modal_mass says it again: leave modal_mass out")
+        modal_mass = [mode.mass * length / force for mode in modes]  # kg = N s^2 / m
+    elif any(mode.mass for mode in modes):
+        raise ModalError(f"{path} says the modal mass, and modal_mass says it again: leave modal_mass out")
+    number = np.array([mode.number for mode in modes])
+    row = {node: k for k, node in enumerate(every.label)}
+    shape = np.array([_at(label, mode, every, row) for mode in modes])
     modes = Modes(
         number=number,
-        frequency=frequency,
-        point=point / length,
+        frequency=np.array([mode.frequency for mode in modes]),
+        point=every.point[[row[node] for node in label]] / length,
         shape=mass_normalised(number, shape, modal_mass, f"{path}: ", REMEDY),
-        inherent_damping=damping,
+        inherent_damping=np.array([mode.damping for mode in modes]),
         label=label,
+        unmeasured=np.setdiff1d(every.label, label),
     )
     return modes.seen_from(0, (0, 0, 1))
 
@@ -106,95 +104,64 @@ def write_uff(path, modes: Modes) -> None:
         pyuff.UFF(str(part)).write_sets([units, nodes, *shapes], mode="overwrite")
 
 
-def _sets(path: Path) -> list[dict]:
-    needs("pyuff", "universal files")
-    import pyuff
-
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no file {path}")
-    file = pyuff.UFF(str(path))
-    sets = []
-    for k, kind in enumerate(file.get_set_types()):
-        if kind not in (15, 2411, 55, 2414, 164, 2420):
-            sets.append({"type": int(kind)})
+def _modes(file: Path, sets: list[Dataset]) -> list[Mode]:
+    """The modes of a file, with numbers of their own."""
+    modes, others, said = [], {}, []
+    for dataset in sets:
+        if dataset.number not in HEADS:
+            said.append(f"dataset {dataset.number} ({CONTENTS.get(dataset.number, 'other data')})")
             continue
-        try:
-            sets.append(file.read_sets(k))
-        except Exception:  # pyuff raises nothing more telling
-            raise ValueError(f"{path}: dataset {kind}, the {k + 1}. of the file, cannot be read") from None
-    return sets
+        head = HEADS[dataset.number](dataset)
+        if not head.is_mode:
+            said.append(f"dataset {dataset.number} ({head.kind})")
+        elif head.content not in DISPLACEMENT:
+            others[head.number] = dataset.error(
+                f"mode {head.number} is not a displacement (data type {head.content}): export displacements"
+            )
+        else:
+            modes.append(mode_of(dataset, head))
+    for number, error in others.items():  # stresses and energies may stand beside the displacements
+        if number not in {mode.number for mode in modes}:
+            raise error
+    if not modes:
+        raise ModalError(f"{file} holds no modes (datasets 55, 2414), only {', '.join(dict.fromkeys(said))}")
+    return _numbered(file, modes)
 
 
-def _units(path: Path, sets, given: str | None) -> tuple[float, float]:
-    """What turns metres and newtons into the file's units."""
-    named = {name: factors for name, *factors in UNITS.values()}
-    found = [s for s in sets if s["type"] == 164]
-    if not found:
-        if given is None:
-            raise ValueError(f"{path} does not say its units (dataset 164): give units, one of {', '.join(named)}")
-        return tuple(named[given])
-    if given is not None:
-        raise ValueError(f"{path} says its units (dataset 164), and units says them again: leave units out")
-    code, length, force = (found[0][key] for key in ("units_code", "length", "force"))
-    if code in UNITS and not np.allclose((length, force), UNITS[code][1:], rtol=1e-3):
-        name, *right = UNITS[code]
-        raise ValueError(
-            f"{path}: dataset 164 contradicts itself: units {code} ({name}) have the factors {right[0]:g} and "
-            f"{right[1]:g}, not {length:g} and {force:g}: mend it"
-        )
-    return length, force
+def _numbered(file: Path, modes: list[Mode]) -> list[Mode]:
+    """Modes without numbers are counted; numbers that repeat are refused."""
+    if not any(mode.number for mode in modes):
+        return [replace(mode, number=k) for k, mode in enumerate(modes, 1)]
+    first: dict[int, Mode] = {}
+    for mode in modes:
+        if mode.number < 1:
+            raise ModalError(f"{file}:{mode.line}: mode number {mode.number}: number the modes from 1 on")
+        if mode.number in first:
+            raise ModalError(
+                f"{file}:{mode.line}: mode {mode.number} is there already, from line {first[mode.number].line} on: "
+                "number each mode once"
+            )
+        first[mode.number] = mode
+    return modes
 
 
-def _nodes(path: Path, sets) -> tuple[np.ndarray, np.ndarray]:
-    found = [s for s in sets if s["type"] in (15, 2411)]
-    if not found:
-        raise ValueError(f"{path} has no nodes (dataset 15 or 2411)")
-    label = np.concatenate([np.asarray(s["node_nums"]).astype(int) for s in found])
-    point = np.concatenate([np.array([s["x"], s["y"], s["z"]]).T for s in found])
-    used = {int(system) for s in found for key in ("def_cs", "disp_cs") for system in s[key]}
-    for systems in (s for s in sets if s["type"] == 2420):
-        names = ("CS_sys_labels", "CS_types", "CS_matrices")
-        for system, kind, matrix in zip(*(systems[name] for name in names), strict=True):
-            if system in used and (kind != CARTESIAN or not np.allclose(matrix, np.eye(4)[:, :3])):
-                raise ValueError(
-                    f"{path}: nodes use the local coordinate system {system}: export in global coordinates"
+def _measured(file: Path, every: Nodes, modes: list[Mode]) -> np.ndarray:
+    """Labels of the nodes that have data in every mode, in the order of the nodes."""
+    known = set(every.label)
+    for mode in modes:
+        for node in mode.label:
+            if node not in known:
+                raise ModalError(
+                    f"{file}:{mode.line}: mode {mode.number} moves node {node}, which has no coordinates: export the "
+                    "geometry along with the modes"
                 )
-    return label, point
+    shared = set.intersection(*(set(mode.label) for mode in modes))
+    if not shared:
+        raise ModalError(f"{file}: no node has data in all of the modes: export the modes at the same nodes")
+    return np.array([node for node in every.label if node in shared])
 
 
-def _is_mode(dataset: dict) -> bool:
-    if dataset["type"] not in (55, 2414) or dataset["analysis_type"] != NORMAL_MODE:
-        return False
-    return dataset["type"] == 55 or dataset["dataset_location"] == 1
-
-
-def _shape(path: Path, dataset: dict, label) -> tuple:
-    """Number, frequency [Hz], modal mass, damping ratio and shape (p, 3) of a dataset 55 or 2414."""
-    if dataset["type"] == 55:
-        kind, data = dataset["spec_data_type"], np.array([dataset["r1"], dataset["r2"], dataset["r3"]]).T
-        number, frequency, mass = dataset["mode_n"], dataset["freq"], dataset["modal_m"]
-        viscous, hysteretic = dataset["modal_damp_vis"], dataset["modal_damp_his"]
-    else:
-        kind, data = dataset["result_type"], np.array(dataset["data_at_node"])[:, :3]
-        number = dataset["record10_field6"]
-        frequency, mass, viscous, hysteretic = (dataset[f"record12_field{k}"] for k in (2, 4, 5, 6))
-    if kind not in DISPLACEMENT:
-        raise ValueError(f"{path}: mode {number} is not a displacement (data type {kind}): export displacements")
-    if np.iscomplexobj(data):
-        raise ValueError(f"{path}: mode {number} is complex: export real normal modes")
-    shape = np.zeros((len(label), 3))  # nodes that do not move may be left out of the file
-    rows = {node: row for row, node in enumerate(label)}
-    unknown = [node for node in dataset["node_nums"] if node not in rows]
-    if unknown:
-        raise ValueError(f"{path}: mode {number} moves node {unknown[0]}, which has no coordinates")
-    shape[[rows[node] for node in dataset["node_nums"]]] = data
-    return number, frequency, mass, viscous or hysteretic / 2, shape
-
-
-def _others(sets) -> str:
-    kinds = {3: "complex modes", 7: "complex modes", 5: "frequency responses"}
-    names = [
-        f"dataset {s['type']}" + (f" ({kinds.get(s['analysis_type'], 'other data')})" if "analysis_type" in s else "")
-        for s in sets
-    ]
-    return ", ".join(dict.fromkeys(names)) or "nothing"
+def _at(label: np.ndarray, mode: Mode, every: Nodes, row: dict[int, int]) -> np.ndarray:
+    """Global displacements (p, 3) of a mode at the nodes of ``label``."""
+    given = dict(zip(mode.label, mode.shape, strict=True))
+    return every.vectors(np.array([row[node] for node in label]), np.array([given[node] for node in label]))

@@ -1,4 +1,4 @@
-"""Libraries that only some users need."""
+"""Optional libraries, imported when a function needs them."""
 
 from __future__ import annotations
 
@@ -7,13 +7,20 @@ import importlib.util
 from ..errors import MissingLibrary
 
 
-def needs(module: str, what: str) -> None:
-    """Ask for a module of the ``modes`` extra.
+def needs(module: str, what: str, extra: str = "modes") -> None:
+    """Ask for a module of an extra, as ``modes``.
 
     Raises
     ------
     MissingLibrary
         With the line that installs it.
     """
-    if importlib.util.find_spec(module) is None:
-        raise MissingLibrary(f"{what} need {module}: pip install 'warpdamp[modes]'", name=module)
+    if not _there(module):
+        raise MissingLibrary(f"{what} need {module}: pip install 'warpdamp[{extra}]'", name=module)
+
+
+def _there(module: str) -> bool:
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ModuleNotFoundError:  # nor is the package that it lies in
+        return False

@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from .mesh_file import load_mesh
+
 if TYPE_CHECKING:
     from skfem import Basis, Mesh
 
 
 @dataclass(frozen=True)
 class Rectangle:
-    """Width along y and thickness along z [m]."""
+    """Rectangular section: width along y and thickness along z [m]."""
 
     width: float
     thickness: float
@@ -34,7 +36,7 @@ class Rectangle:
 
 @dataclass(frozen=True)
 class Circle:
-    """A solid round section of some diameter [m]."""
+    """Solid round section of a diameter [m]."""
 
     diameter: float
     quarter: ClassVar[bool] = True
@@ -54,7 +56,7 @@ class Circle:
 
 @dataclass(frozen=True)
 class Tube:
-    """A round tube: outer diameter and thickness of the wall [m]."""
+    """Round tube: outer diameter and thickness of the wall [m]."""
 
     diameter: float
     wall: float
@@ -81,7 +83,7 @@ def _with_area(mesh: Mesh, element, area: float) -> Basis:
 
 @dataclass(frozen=True)
 class MeshedSection:
-    """Any section, as a plane mesh of triangles or quadrilaterals in a file that meshio reads.
+    """Section of any shape, as a plane mesh of triangles or quadrilaterals in a file that meshio reads.
 
     The mesh's first coordinate is taken along the width, its second along the thickness.
 
@@ -105,10 +107,7 @@ class MeshedSection:
         """
         from skfem import Basis, ElementQuad2, ElementTriP2, MeshQuad1, MeshTri1
 
-        from .fem import without_loose_nodes
-        from .mesh_file import load_mesh
-
-        mesh = without_loose_nodes(load_mesh(self.file, self.unit))
+        mesh = load_mesh(self.file, self.unit)
         if not isinstance(mesh, MeshTri1 | MeshQuad1):
             raise ValueError(f"{self.file} holds a {type(mesh).__name__}: a section is a plane mesh")
         element = ElementTriP2() if isinstance(mesh, MeshTri1) else ElementQuad2()
@@ -129,7 +128,7 @@ Section = Rectangle | Circle | Tube | MeshedSection
 
 @dataclass(frozen=True)
 class Moments:
-    """Of a section or a part of it: area [m^2], centroid (2,) [m]; int y^2, int z^2, int y z about the origin [m^4]."""
+    """Moments of a section: area [m^2], centroid (2,) [m]; int y^2, int z^2, int y z about the origin [m^4]."""
 
     area: float
     centroid: np.ndarray

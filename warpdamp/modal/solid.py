@@ -1,4 +1,4 @@
-"""Plates and solids of any shape: their modes with masses that stand on a patch of the surface."""
+"""Modes of plates and solids of any shape, with masses that stand on a patch of the surface."""
 
 from __future__ import annotations
 
@@ -12,21 +12,13 @@ import numpy as np
 from scipy.sparse import csr_matrix, eye, kron, vstack
 from scipy.sparse.csgraph import connected_components
 
+from ..errors import ModalError
 from ..scene.scene import Material
-from .fem import (
-    Attached,
-    Solid,
-    elastic_modes,
-    extruded,
-    graded,
-    integrals,
-    meshed,
-    participation,
-    turned,
-    without_loose_nodes,
-)
+from .clamp import Clamp
+from .eigenmodes import Attached, elastic_modes, participation, turned
+from .fem import Solid, extruded, graded, integrals, meshed
 from .mesh_error import solid_error
-from .mesh_file import load_mesh
+from .mesh_file import load_named
 from .modes import Modes
 
 Edge = Literal["clamped", "pinned", "free"]
@@ -36,7 +28,7 @@ PATCH_ORDER = 12
 
 @dataclass(frozen=True)
 class StandingMass:
-    """A mass on a round patch of a surface, whose mean displacement it follows.
+    """Mass on a round patch of a surface, whose mean displacement it follows.
 
     Parameters
     ----------
@@ -51,13 +43,13 @@ class StandingMass:
     footprint: float
 
     def loaded(self, mass: float) -> StandingMass:
-        """The same with so much more mass [kg]."""
+        """Standing mass with a further ``mass`` [kg]."""
         return replace(self, mass=self.mass + mass)
 
 
 @dataclass(frozen=True)
 class Plate:
-    """A rectangular plate from (0, 0) to (length, width), bending along z.
+    """Rectangular plate from (0, 0) to (length, width), bending along z.
 
     Parameters
     ----------
@@ -75,7 +67,7 @@ class Plate:
 
 
 def plate_modes(plate: Plate, damper: StandingMass, masses=(), *, highest: int = 5, elements: int = 6) -> Modes:
-    """The lowest modes of a plate with a damper and further masses on it, as the damper sees them along z.
+    """Lowest modes of a plate with a damper and further masses on it, as the damper sees them along z.
 
     Quadratic hexahedra, one through the thickness and about ``elements`` along a side, graded towards the edges and
     the masses.
@@ -125,7 +117,7 @@ def _on_surface(surface, mass: StandingMass) -> np.ndarray:
 
     Raises
     ------
-    ValueError
+    ModalError
         If no surface is there.
     """
     middle, radius = np.array(mass.position)[:, None, None], mass.footprint / 2
@@ -133,7 +125,7 @@ def _on_surface(surface, mass: StandingMass) -> np.ndarray:
     if weights.sum() <= 0:
         near = np.min(np.linalg.norm(np.array(surface.global_coordinates()) - middle, axis=0))
         where = ", ".join(f"{1e3 * x:g}" for x in mass.position)
-        raise ValueError(
+        raise ModalError(
             f"there is no surface within {1e3 * radius:g} mm of ({where}) mm; the nearest is {1e3 * near:.3g} mm away: "
             "move the mass onto it or widen its footprint"
         )
@@ -153,48 +145,10 @@ def _on_edges(solid: Solid, plate: Plate) -> Solid:
 
 
 @dataclass(frozen=True)
-class Clamp:
-    """What part of a solid is held: a boundary that the mesh's file names, or all nodes in a box.
-
-    Parameters
-    ----------
-    boundary : name, or None
-    box : for x, y and z, None or the limits (from, to) [m]; equal limits are a plane
-    """
-
-    boundary: str | None = None
-    box: tuple[tuple[float, float] | None, ...] = (None, None, None)
-
-    def nodes(self, basis) -> np.ndarray:
-        """(n,) array of bool, which nodes of a basis it holds.
-
-        Raises
-        ------
-        ValueError
-            If there are none.
-        """
-        held = np.zeros(basis.N, bool)
-        if self.boundary is not None:
-            named = basis.mesh.boundaries or {}
-            if self.boundary not in named:
-                known = f"it has {', '.join(named)}" if named else "it names none; clamp planes or boxes, as {x: 0 mm}"
-                raise ValueError(f"the mesh has no boundary '{self.boundary}': {known}")
-            held[basis.get_dofs(self.boundary).all()] = True
-            return held
-        near = 1e-6 * np.ptp(basis.doflocs, axis=1).max()
-        held[:] = True
-        for place, limits in zip(basis.doflocs, self.box, strict=True):
-            if limits is not None:
-                held &= (limits[0] - near <= place) & (place <= limits[1] + near)
-        if not held.any():
-            size = " x ".join(f"{1e3 * x.min():g}..{1e3 * x.max():g}" for x in basis.doflocs)
-            raise ValueError(f"nothing of the mesh, {size} mm, lies there: is its unit right?")
-        return held
-
-
-@dataclass(frozen=True)
 class MeshedSolid:
-    """A solid of any shape, as a mesh of tetrahedra or hexahedra in a file that meshio reads.
+    """Solid of any shape, as a mesh of tetrahedra or hexahedra in a file that meshio reads.
+
+    Wedges and pyramids are cut into tetrahedra, and so is what stands beside them.
 
     Parameters
     ----------
@@ -213,7 +167,7 @@ class MeshedSolid:
 
 
 def solid_modes(solid: MeshedSolid, damper: StandingMass, masses=(), *, highest: int = 5) -> Modes:
-    """The lowest modes of a solid with a damper and further masses on its surface, as the damper sees them.
+    """Lowest modes of a solid with a damper and further masses on its surface, as the damper sees them.
 
     Quadratic elements on the mesh's own cells, whatever their order in the file.  Modes of the same frequency are
     turned so that one of them has all the motion at the damper; rigid motions are not counted.
@@ -245,28 +199,40 @@ def _body(solid: MeshedSolid, changed: int | None):
 
     ``changed`` is when its file was [ns].
     """
-    basis = _quadratic(solid)
+    basis, sets = _quadratic(solid)
     body = meshed(basis, solid.material)
     for clamp in solid.clamps:
-        body = body.hold(clamp.nodes(basis))
+        body = body.hold(clamp.nodes(basis, sets))
     return basis, body
 
 
 def _quadratic(solid: MeshedSolid):
     from skfem import Basis, ElementHex2, ElementTetP2, MeshHex1, MeshTet1
 
-    mesh = without_loose_nodes(load_mesh(solid.file, solid.unit))
+    named = load_named(solid.file, solid.unit)
+    mesh = named.mesh
     if isinstance(mesh, MeshTet1):
         element = ElementTetP2()
     elif isinstance(mesh, MeshHex1):
         element = ElementHex2()
     else:
-        raise ValueError(f"{solid.file} holds a {type(mesh).__name__}: a solid is a mesh of tetrahedra or hexahedra")
-    basis = Basis(mesh, element, intorder=4)
+        raise ModalError(f"{solid.file} holds a {type(mesh).__name__}: a solid is a mesh of tetrahedra or hexahedra")
+    with np.errstate(divide="ignore", invalid="ignore"):  # cells without volume are refused below
+        basis = Basis(mesh, element, intorder=4)
     parts, _ = connected_components(basis.mesh.p2t @ basis.mesh.p2t.T)
     if parts > 1:
-        raise ValueError(f"{solid.file} falls into {parts} parts that share no nodes: merge the nodes where they touch")
-    return basis
+        raise ModalError(f"{solid.file} falls into {parts} parts that share no nodes: merge the nodes where they touch")
+    _check_volumes(basis, solid.file)
+    return basis, named.nodes
+
+
+def _check_volumes(basis, file) -> None:
+    """Refuses cells without volume, and those that are folded: their stiffness means nothing."""
+    determinant = np.broadcast_to(basis.mapping.detDF(basis.X), basis.dx.shape)
+    flat = np.sum(np.abs(basis.dx).sum(axis=1) < 1e-9 * np.abs(basis.dx).sum(axis=1).mean())
+    folded = np.sum(determinant.min(axis=1) * determinant.max(axis=1) < 0)
+    if flat or folded:
+        raise ModalError(f"{file} holds {flat} cells without volume and {folded} that are folded: mesh it again")
 
 
 def _modes(solid: Solid, standing, patches, nodes, direction, highest: int, error: Callable | None = None) -> Modes:

@@ -1,1 +1,1 @@
-"""How finely, how long and how surely a case is computed."""
+"""Numerical choices: step, length of a run, tolerance, and fits."""

@@ -14,7 +14,7 @@ FINE = 161
 
 @dataclass(frozen=True)
 class Maximum:
-    """A maximum of a fitted curve.
+    """Maximum of a fitted curve.
 
     Parameters
     ----------
@@ -83,16 +83,16 @@ def _posterior(x, y, error, fine):
 
 
 def _maxima(gamma, mean, spread, draws) -> list[Maximum]:
-    """Of the mean curve, those that stand out; how well they are known tell each draw's own in the same basin."""
+    """Maxima of the mean curve that stand out; their uncertainty is that of each draw's maximum in the same basin."""
     from scipy.signal import find_peaks
 
     tops, traits = find_peaks(mean, prominence=0)
-    kept = [k for k, prominence in zip(tops, traits["prominences"], strict=True) if prominence > spread[k]]
-    if not kept:
+    prominent = [k for k, prominence in zip(tops, traits["prominences"], strict=True) if prominence > spread[k]]
+    if not prominent:
         return []
-    basins = [0, *(a + int(np.argmin(mean[a:b])) for a, b in itertools.pairwise(kept)), len(mean) - 1]
-    found = []
-    for k, (first, last) in zip(kept, itertools.pairwise(basins), strict=True):
+    basins = [0, *(a + int(np.argmin(mean[a:b])) for a, b in itertools.pairwise(prominent)), len(mean) - 1]
+    result = []
+    for k, (first, last) in zip(prominent, itertools.pairwise(basins), strict=True):
         first, last = _around(k, first, last, mean, spread)
         at = first + np.argmax(draws[:, first : last + 1], axis=1)
         inside = (at > first) & (at < last)
@@ -102,12 +102,12 @@ def _maxima(gamma, mean, spread, draws) -> list[Maximum]:
         heights = draws[np.flatnonzero(inside), at[inside]]
         step = gamma[min(k + 1, len(gamma) - 1)] - gamma[k]  # the fine grid's own uncertainty
         error = math.hypot(float(np.std(where)), step / math.sqrt(12))
-        found.append(Maximum(float(gamma[k]), error, float(mean[k]), float(np.std(heights)), float(inside.mean())))
-    return found
+        result.append(Maximum(float(gamma[k]), error, float(mean[k]), float(np.std(heights)), float(inside.mean())))
+    return result
 
 
 def _around(k: int, first: int, last: int, mean, spread) -> tuple[int, int]:
-    """The part of a basin round its top that may, within three standard errors, be as high."""
+    """Part of a basin round its top that may, within three standard errors, be as high."""
     low = mean[k] - mean > 3 * np.hypot(spread, spread[k])
     below, above = np.flatnonzero(low[first:k]), np.flatnonzero(low[k : last + 1])
     return (first + int(below[-1]) if len(below) else first), (k + int(above[0]) if len(above) else last)
@@ -115,7 +115,7 @@ def _around(k: int, first: int, last: int, mean, spread) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class Line:
-    """y = intercept + slope x, with standard errors, and chi^2 per degree of freedom."""
+    """Straight line y = intercept + slope x, with standard errors, and chi^2 per degree of freedom."""
 
     slope: float
     slope_standard_error: float
@@ -125,7 +125,7 @@ class Line:
 
 
 def straight_line(x, y, error) -> Line:
-    """Weighted least squares; where points scatter more than their errors say, the line's errors grow with them.
+    """Line by weighted least squares; where points scatter more than their errors, the line's errors grow with them.
 
     Raises
     ------

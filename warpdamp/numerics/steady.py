@@ -1,4 +1,4 @@
-"""From cycles to an answer: where the transient ends, the mean, and what it is worth.
+"""Steady averages of a series of cycles: end of the transient, mean, and standard error.
 
 Energies of successive cycles are correlated and drift while a bed compacts.  The transient is cut where the standard
 error of the rest is smallest (the MSER rule: White 1997, doi:10.1177/003754979706900601); the standard error of a
@@ -16,7 +16,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Steady:
-    """The average of a series after its transient.
+    """Average of a series after its transient.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def autocorrelation_time(series) -> float:
 
 
 def standard_error(series) -> float:
-    """Of the mean of a stationary, correlated series of at least four values.
+    """Standard error of the mean of a stationary, correlated series of at least four values.
 
     The sample variance of correlated values is too small by about tau / n; it is corrected for.
     """
@@ -68,7 +68,7 @@ def standard_error(series) -> float:
 
 
 def degrees_of_freedom(series) -> float:
-    """One less than the number of uncorrelated values that a series is worth, at least a half."""
+    """Degrees of freedom of a correlated series: its number of uncorrelated values less one, at least a half."""
     return max(1.5, len(series) / autocorrelation_time(series)) - 1
 
 
@@ -86,19 +86,19 @@ def steady(series, *, fewest: int, floor: float = 0.0, earliest: int = 0) -> Ste
     n = len(x)
     latest = max(earliest, min(n - fewest, n // 2))
     discarded = min(range(earliest, latest + 1), key=lambda d: np.var(x[d:]) / (n - d))
-    kept = x[discarded:]
-    change, chance = _trend(kept)
+    rest = x[discarded:]
+    change, chance = _trend(rest)
     return Steady(
-        mean=float(kept.mean()),
-        standard_error=standard_error(kept),
+        mean=float(rest.mean()),
+        standard_error=standard_error(rest),
         discarded=discarded,
-        degrees=degrees_of_freedom(kept),
+        degrees=degrees_of_freedom(rest),
         drifting=bool(change > DRIFT * chance and change > floor),
     )
 
 
 def _trend(series: np.ndarray) -> tuple[float, float]:
-    """By how much a straight line through the series changes from its first half to its second, and the error of that.
+    """Change of a straight line through the series from its first half to its second, and the error of that change.
 
     The error comes from what the line leaves over: a trend must not hide itself as correlation.
     """

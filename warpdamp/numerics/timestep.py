@@ -1,4 +1,4 @@
-"""The step: from the shortest contact expected, and a whole number of steps to a cycle."""
+"""Time step: from the shortest contact expected, and a whole number of steps to a cycle."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from ..scene.particles import State
 from ..scene.scene import Scene, sphere_volume
 
 STEPS_PER_CONTACT = 24
-"""A bed's ledger then closes to half a percent (docs/acceptance.md)."""
+"""Usual steps to the shortest contact: a bed's ledger then closes to half a percent (docs/acceptance.md)."""
 
 FEWEST_STEPS_PER_CONTACT = 10
-"""Below this a contact is not resolved and a forced step is refused."""
+"""Fewest steps to a contact: below, it is not resolved and a forced step is refused."""
 
 STEPS_PER_DASHPOT = 45
-"""Dashpots of strength b (see ``law.dashpot``) take this times b steps a contact: they act on predicted velocities, and
-with fewer a bed of restitution 0.2 and below feeds on them."""
+"""Dashpots of strength b (see ``scene.contact.dashpot``) take this times b steps a contact: they act on predicted
+velocities, and with fewer a bed of restitution 0.2 and below gains energy from them."""
 
 FEWEST_STEPS_PER_CYCLE = 50
-"""So that the drive's own motion is followed to 0.1 %."""
+"""Fewest steps to a cycle, so that the drive's motion is followed to 0.1 %."""
 
 HERTZ_DURATION = 2.943275
 """tc v / d_max of an elastic Hertz contact, (4/5) sqrt(pi) Gamma(2/5) / Gamma(9/10)."""
@@ -31,7 +31,7 @@ HERTZ_DURATION = 2.943275
 
 @dataclass(frozen=True)
 class Numerics:
-    """How a scene is simulated.
+    """Numerical choices of a simulation.
 
     Parameters
     ----------
@@ -45,18 +45,36 @@ class Numerics:
     forced: tuple[tuple[str, bool], ...] = ()
 
     def effects(self, scene: Scene, grains) -> Effects:
-        """What the scene calls for, and what is forced."""
+        """Effects that the scene requires, with those that are forced."""
         return called_for(scene, grains, precision=self.precision).forced(dict(self.forced))
 
 
+def largest_overlap(modulus: float, radius: float, mass: float, speed: float) -> float:
+    """Overlap [m] of an elastic Hertz impact: d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)."""
+    return (15 * mass * speed**2 / (16 * modulus * math.sqrt(radius))) ** 0.4
+
+
+def impact_overlap(scene: Scene, speed: float) -> float:
+    """Largest overlap of two equal spheres of any materials that meet at ``speed`` [m/s], over their reduced radius.
+
+    It does not depend on their size.
+    """
+    overlaps = []
+    for i, one in enumerate(scene.materials):
+        for j, other in enumerate(scene.materials):
+            modulus = contact_constants(one, other, scene.pair_surface(i, j))["modulus"]
+            a, b = float(scene.mass(2.0, i)), float(scene.mass(2.0, j))  # reduced radius 1
+            overlaps.append(largest_overlap(modulus, 1.0, a * b / (a + b), speed))
+    return max(overlaps)
+
+
 def contact_time(modulus: float, radius: float, mass: float, speed: float) -> float:
-    """Duration [s] of an elastic Hertz impact: tc = 2.943 d_max / v, d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)."""
-    overlap = (15 * mass * speed**2 / (16 * modulus * math.sqrt(radius))) ** 0.4
-    return HERTZ_DURATION * overlap / speed
+    """Duration [s] of an elastic Hertz impact: tc = 2.943 d_max / v."""
+    return HERTZ_DURATION * largest_overlap(modulus, radius, mass, speed) / speed
 
 
 def expected_speed(scene: Scene, radius) -> float:
-    """Fastest relative impact to be expected [m/s].
+    """Speed of the fastest relative impact to be expected [m/s].
 
     Twice the enclosure's peak speed (a particle thrown back by a wall moving at full speed, met by another at rest),
     and what a fall through the free height of the cavity adds.
@@ -80,13 +98,13 @@ def shortest_contact(scene: Scene, grains, speed: float) -> float:
     times = []
     smallest = {k: float(np.min(radius[species == k])) for k in set(species.tolist())}
     for i, a in smallest.items():
-        one, mass = scene.materials[i], float(scene.mass(a, i))
+        material, mass = scene.materials[i], float(scene.mass(a, i))
         for j, b in smallest.items():
-            modulus = contact_constants(one, scene.materials[j], scene.pair_surface(i, j))["modulus"]
-            other = float(scene.mass(b, j))
-            times.append(contact_time(modulus, a * b / (a + b), mass * other / (mass + other), speed))
+            modulus = contact_constants(material, scene.materials[j], scene.pair_surface(i, j))["modulus"]
+            other_mass = float(scene.mass(b, j))
+            times.append(contact_time(modulus, a * b / (a + b), mass * other_mass / (mass + other_mass), speed))
         if scene.enclosure:
-            modulus = contact_constants(one, scene.wall, scene.wall_surface(i))["modulus"]
+            modulus = contact_constants(material, scene.wall, scene.wall_surface(i))["modulus"]
             times.append(contact_time(modulus, a, mass, speed))
     return min(times)
 
@@ -103,7 +121,7 @@ def contact_step(scene: Scene, grains, *, steps_per_contact: float = STEPS_PER_C
     Raises
     ------
     ValueError
-        If nothing moves and nothing makes it move: then no step can be told.
+        If nothing moves and nothing makes it move: then no step follows.
     """
     speed = expected_speed(scene, grains.radius)
     if speed == 0:

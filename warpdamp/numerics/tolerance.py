@@ -1,41 +1,36 @@
-"""Accuracy bought by tolerance: the step, the length and the packings that an error asked for takes.
+"""Tolerances: the step, the length and the packings that an accuracy asked for requires.
 
 The tolerance is the standard error of the energy per cycle, all parts together: step, averaging, packing.  The step
 is chosen beforehand, so that its error is a third of the tolerance at most; each case then runs until its own standard
-error is what is left, and a point that its packings do not agree on well enough gets more of them.
+error is what is left, and a point whose packings scatter too much gets more of them.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .timestep import FEWEST_STEPS_PER_CONTACT
 
-if TYPE_CHECKING:
-    pass
-
-
 STEP_ERROR = 0.005
-"""Relative error of the energy per cycle that a study reckons with at 24 steps a contact; of second order.  Six points
+"""Relative error of the energy per cycle that a study assumes at 24 steps a contact; of second order.  Six points
 together show 0.05 %, single ones as much as chance allows to see (docs/accuracy.md)."""
 
 STEP_SHARE = 1 / 3
 """Largest part of the tolerance that is left to the step."""
 
 SLACK = 0.5
-"""Part of the tolerance that a case may still drift by, or be out of balance by, and end: less than what it claims for
+"""Part of the tolerance that a case may still drift by, or be out of balance by, and end: less than the error of
 its bed's state."""
 
 RESIDUAL_FACTOR = 2.5
-"""What a case reckons its step error to be, over the ledger's residual.  Six points together show 0.3; upper bounds of
+"""Estimated step error of a case over the ledger's residual.  Six points together show 0.3; upper bounds of
 single ones, in which chance is the most, reach 4.6 (docs/accuracy.md)."""
 
 LOOSE_MEMORY, TIGHT_MEMORY = 0.035, 0.08
-"""Relative standard error of what one bed says, however well its cycles are averaged: a bed stays in one of many states
+"""Relative standard error of a single bed, however well its cycles are averaged: a bed stays in one of many states
 for hundreds to thousands of cycles, and what a state dissipates differs.  Root mean squares over 159 and 75 cases of
 beds 3.6 to 5.4 spheres across, draws 20, 2026 and 3 of scripts/documents/coverage.py; packings average it out."""
 
@@ -51,7 +46,7 @@ FEWEST_PACKINGS = 3
 
 @dataclass(frozen=True)
 class ToleranceSettings:
-    """What a tolerance takes before anything runs.
+    """Settings of a study that its tolerance chooses before anything runs.
 
     Parameters
     ----------
@@ -66,25 +61,25 @@ class ToleranceSettings:
 
 
 def step_error(steps_per_contact: float) -> float:
-    """Relative error of the energy per cycle that a study reckons with for a step."""
+    """Relative error of the energy per cycle that a study assumes for a step [-]."""
     return STEP_ERROR * (24 / steps_per_contact) ** 2
 
 
 def settings_for(tolerance: float) -> ToleranceSettings:
-    """Step and length for a tolerance.
+    """Settings for a tolerance: step and length of a run.
 
     Parameters
     ----------
     tolerance : relative standard error of the energy per cycle
     """
-    wanted = 24 * math.sqrt(STEP_ERROR / (STEP_SHARE * tolerance))
-    steps = min(max(wanted, FEWEST_STEPS_PER_CONTACT), FINEST)
+    needed = 24 * math.sqrt(STEP_ERROR / (STEP_SHARE * tolerance))
+    steps = min(max(needed, FEWEST_STEPS_PER_CONTACT), FINEST)
     left = math.sqrt(max(tolerance**2 - step_error(steps) ** 2, (0.5 * tolerance) ** 2))
     return ToleranceSettings(steps, left, SLACK * tolerance)
 
 
 def packings_needed(energies, errors, degrees, memories, steps, largest, tolerance: float) -> int:
-    """How many of a point's packings it takes, as far as those that ran tell.
+    """Number of a point's packings that a tolerance requires, given those that ran.
 
     A few; then at once as many as their own errors would take if all agreed, so that their beds are made side by side;
     then one more at a time while they disagree.
@@ -101,21 +96,21 @@ def packings_needed(energies, errors, degrees, memories, steps, largest, toleran
     while n < len(energies) and np.isfinite(energies[:n]).all():
         answer = combined(energies[:n], errors[:n], degrees[:n], memories[:n], steps[:n])
         limit = allowed(tolerance, answer.mean, largest[0])
-        if answer.total_error <= limit or answer.step_error >= limit:  # more packings do not mend a step
+        if answer.total_error <= limit or answer.step_error >= limit:  # more packings do not reduce the step's error
             break
-        own = np.mean(errors[:n] ** 2 + memories[:n] ** 2) / (limit**2 - answer.step_error**2)
-        n = min(max(n + 1, math.ceil(own)), len(energies))
+        needed = np.mean(errors[:n] ** 2 + memories[:n] ** 2) / (limit**2 - answer.step_error**2)
+        n = min(max(n + 1, math.ceil(needed)), len(energies))
     return n
 
 
 def allowed(tolerance: float, mean, largest):
-    """Standard error that a tolerance allows a mean, of which the ideal damper's would be ``largest``."""
+    """Standard error that a tolerance allows a mean; ``largest`` is the ideal damper's energy."""
     return np.maximum(tolerance * mean, SMALLEST_EFFECTIVENESS * largest)
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Means over packings and what they are worth, each an array over points.
+    """Means over packings with their uncertainties, each an array over points.
 
     Parameters
     ----------
@@ -135,7 +130,7 @@ class Answer:
 
     @property
     def total_error(self) -> np.ndarray:
-        """Standard error, all parts together: what is held against a tolerance."""
+        """Standard error, all parts together: what is compared with a tolerance."""
         return np.hypot(self.standard_error, self.step_error)
 
 
@@ -150,7 +145,7 @@ PARTS = (
 
 
 def combined(means, errors, degrees, memories=0.0, steps=0.0, ran=True) -> Answer:
-    """Combine packings.
+    """Mean over packings with its standard errors and interval.
 
     Parameters
     ----------
@@ -172,25 +167,25 @@ def combined(means, errors, degrees, memories=0.0, steps=0.0, ran=True) -> Answe
         within = np.sqrt(total(errors**2 + memories**2)) / n
         between = np.where(n > 1, np.sqrt(total((means - mean[..., None]) ** 2) / ((n - 1) * n)), 0.0)
         step = total(steps) / n
-        own = total(errors**2 + memories**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
-    own = np.where(within > 0, own, math.inf)
+        degrees_within = total(errors**2 + memories**2) ** 2 / total(errors**4 / degrees)  # Welch, Satterthwaite
+    degrees_within = np.where(within > 0, degrees_within, math.inf)
     error = np.maximum(within, between)
-    interval = np.hypot(error * student(np.where(between > within, n - 1.0, own)), 2 * step)
+    interval = np.hypot(error * student(np.where(between > within, n - 1.0, degrees_within)), 2 * step)
     return Answer(mean, error, step, interval, n)
 
 
 def bed_memory(fill: float) -> float:
-    """Relative standard error of what one bed says that no averaging over its cycles mends, by the cavity's fill."""
+    """Relative standard error of a single bed that averaging over cycles cannot reduce, by the cavity's fill [-]."""
     return TIGHT_MEMORY if fill >= TIGHT_FILL else LOOSE_MEMORY
 
 
 def single_interval(error: float, degrees: float, memory: float) -> float:
-    """Half-width of the 95 % interval of what one bed says: of its average over cycles, and for its state."""
+    """Half-width of the 95 % interval of a single bed: of its average over cycles, and for its state."""
     return float(np.hypot(error * student(degrees), memory * student(math.inf)))
 
 
 def student(degrees):
-    """Half-width of the 95 % interval over the standard error."""
+    """Ratio of the 95 % interval's half-width to the standard error, by degrees of freedom [-]."""
     from scipy.special import stdtrit
 
     return stdtrit(np.clip(degrees, 1.0, 1e6), 0.975)

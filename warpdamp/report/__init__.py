@@ -1,1 +1,1 @@
-"""What people look at: figures and tables."""
+"""Reports of results: figures and tables."""

@@ -1,4 +1,4 @@
-"""Pictures of an accuracy study: error against cost, and what the error is made of."""
+"""Figures of an accuracy study: error against cost, and the parts of the error."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PARTS = ("step", "float32 instead of float64", "averaging", "packing")
 
 
 def work_precision(runs: xr.Dataset) -> Figure:
-    """Relative error against core-seconds, log-log, a panel for each point, a line for each choice.
+    """Figure of relative error against core-seconds, log-log, a panel for each point, a line for each choice.
 
     Systematic choices at the cost of the point's own run with them; averages over cycles and packings at the cost of as
     many; the dashed front is the least cost of any combination.
@@ -47,8 +47,8 @@ def work_precision(runs: xr.Dataset) -> Figure:
 
 
 def _panel(ax, runs, errors):
-    own = runs["effectiveness"].sel(variation="steps_per_contact=24").values
-    length, seeds = int(np.isfinite(own[0]).sum()), runs.sizes["seed"]
+    series = runs["effectiveness"].sel(variation="steps_per_contact=24").values
+    length, seeds = int(np.isfinite(series[0]).sum()), runs.sizes["seed"]
     per_cycle = float(errors["cost"].sel(variation="steps_per_contact=24"))
     for choice, marker in MARKERS.items():
         picked = [v for v in errors["variation"].values if v.startswith(choice) and not v.endswith("=48")]
@@ -64,19 +64,19 @@ def _panel(ax, runs, errors):
             label=LABELS[choice],
         )
     counts = [k for k in (5, 10, 20, 40, 80, 160) if k <= length // 4]
-    means = np.array(averaged(own, counts))
+    means = np.array(averaged(series, counts))
     if len(means):
         ax.plot(1.5 * means[:, 0] * per_cycle, means[:, 1], "v-", ms=4, lw=1, label="cycles averaged, one bed")
     cuts = [k for k in (0, 2, 5, 10, 20, 40, 80) if k < length // 3]
     ax.plot(
         [(k + length / 2) * per_cycle for k in cuts],
-        [transient(own, k) for k in cuts],
+        [transient(series, k) for k in cuts],
         "<-",
         ms=4,
         lw=1,
         label="cycles discarded",
     )
-    point = chance(own)
+    point = chance(series)
     many = 2 ** np.arange(0, 6)
     ax.plot(many * length * per_cycle, point.packing / np.sqrt(many), ">-", ms=4, lw=1, label="packings averaged")
     steps = step_errors(errors)
@@ -89,7 +89,7 @@ def _panel(ax, runs, errors):
 
 
 def budget(runs: xr.Dataset) -> Figure:
-    """What the error of a usual answer is made of: 24 steps a contact, float64, 60 cycles averaged, three beds."""
+    """Figure of the parts of a usual answer's error: 24 steps a contact, float64, 60 cycles averaged, three beds."""
     from matplotlib.figure import Figure
 
     parts = budget_table(runs)
@@ -106,12 +106,12 @@ def budget(runs: xr.Dataset) -> Figure:
 
 
 def budget_table(runs: xr.Dataset, *, cycles: int = 60, packings: int = 3) -> list[tuple[float, ...]]:
-    """Relative errors of ``PARTS`` at every point."""
+    """Relative errors of ``PARTS`` at every point [-]."""
     errors = systematic(runs)
     table = []
     for p in range(runs.sizes["point"]):
-        own = runs["effectiveness"].isel(point=p)
-        point: Chance = chance(own.sel(variation="steps_per_contact=24").values)
+        series = runs["effectiveness"].isel(point=p)
+        point: Chance = chance(series.sel(variation="steps_per_contact=24").values)
         at = errors.isel(point=p)
         table.append(
             (

@@ -1,4 +1,4 @@
-"""Pictures of coupled runs; knows nothing but Datasets."""
+"""Figures of coupled runs, from their Dataset alone."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CURVES = {"accelerance": "accelerance [m s$^{-2}$ N$^{-1}$]", "transmissibility"
 
 
 def answers(runs: xr.Dataset) -> Figure:
-    """Acceleration over time for each level (first seed), and beside it what was read off the records.
+    """Figure of acceleration over time for each level (first seed), and of what is identified from the records.
 
     That is damping and frequency over Gamma with one mode and a harmonic signal (steady windows) or a release, the
     accelerance with any other force, the transmissibility with any other motion of the base.
@@ -43,9 +43,9 @@ def answers(runs: xr.Dataset) -> Figure:
             (axes[2], "window_frequency", "natural frequency [Hz]"),
         ):
             for k in range(runs.sizes["level"]):
-                own = runs.isel(level=k)
-                shown = own["window_steady"] == 1 if driven else own[name].notnull()
-                gamma, value = (own[n].where(shown).values.ravel() for n in ("window_gamma", name))
+                level_runs = runs.isel(level=k)
+                shown = level_runs["window_steady"] == 1 if driven else level_runs[name].notnull()
+                gamma, value = (level_runs[n].where(shown).values.ravel() for n in ("window_gamma", name))
                 ax.plot(gamma, value, ".", ms=3, color=colours[k])
             ax.set(xlabel="Γ [-]", ylabel=label)
             _within_reason(ax, runs[name].values)

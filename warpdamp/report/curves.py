@@ -1,4 +1,4 @@
-"""Pictures of a Dataset; knows nothing else."""
+"""Figures of a results Dataset."""
 
 from __future__ import annotations
 
@@ -22,12 +22,21 @@ MANY = 6
 
 
 def draw(dataset: xr.Dataset) -> Figure:
-    """The picture that the dimensions of a Dataset ask for: curves over Gamma, maps, or scattered cases.
+    """Figure that suits the dimensions of a Dataset: curves over Gamma, maps, or scattered cases.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
 
     Raises
     ------
     ValueError
-        If nothing is finished.
+        If no case is finished.
     """
     if "effectiveness" not in dataset or not np.isfinite(dataset["effectiveness"]).any():
         raise ValueError("no case is finished yet: there is nothing to draw")
@@ -40,10 +49,19 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 
 def curves(dataset: xr.Dataset) -> Figure:
-    """Damping ratio against Gamma, one panel a mode, or effectiveness, one panel a frequency.
+    """Figure of damping ratio against Gamma, one panel a mode, or of effectiveness, one panel a frequency.
 
     Error bars are standard errors, hollow points not steady (see ``status``); swept scalars become lines, and where
     there are too many of them, further panels.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results with the dimension ``gamma``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
     """
     modal = "damping_ratio" in dataset
     if modal:
@@ -92,7 +110,7 @@ def _title(dataset, value, panel) -> str:
     if "frequency" in panel:
         words.insert(0, f"{float(dataset['frequency'][panel['frequency']]):.4g} Hz")
     if "mode" in panel:
-        own = dataset["natural_frequency"].isel(mode=panel["mode"])
-        own = own.isel({dim: rest.get(dim, 0) for dim in own.dims})
-        words.insert(0, f"mode {int(dataset['mode'][panel['mode']])}, {float(own):.1f} Hz")
+        natural_frequency = dataset["natural_frequency"].isel(mode=panel["mode"])
+        natural_frequency = natural_frequency.isel({dim: rest.get(dim, 0) for dim in natural_frequency.dims})
+        words.insert(0, f"mode {int(dataset['mode'][panel['mode']])}, {float(natural_frequency):.1f} Hz")
     return ", ".join(words)

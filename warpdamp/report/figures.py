@@ -1,4 +1,4 @@
-"""What figures share: panels, labels, saving."""
+"""Panels, labels and saving of figures."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ Panel = dict[str, int]
 
 
 def panels(value: xr.DataArray, dims: list[str], most: int = MOST_PANELS) -> list[Panel]:
-    """Choices along some dimensions, evenly thinned where there are more than ``most``."""
+    """Indices along some dimensions, one dict a panel, evenly thinned where there are more than ``most``."""
     sizes = [range(value.sizes[dim]) for dim in dims]
-    every = [dict(zip(dims, index, strict=True)) for index in itertools.product(*sizes)]
-    if len(every) <= most:
-        return every
-    return [every[k] for k in np.unique(np.linspace(0, len(every) - 1, most).round().astype(int))]
+    choices = [dict(zip(dims, index, strict=True)) for index in itertools.product(*sizes)]
+    if len(choices) <= most:
+        return choices
+    return [choices[k] for k in np.unique(np.linspace(0, len(choices) - 1, most).round().astype(int))]
 
 
 def shown(value) -> str:
-    """A coordinate's value in a label."""
+    """Coordinate value as the text of a label."""
     value = np.asarray(value)
     return f"{float(value):.3g}" if value.dtype.kind in "iuf" else str(value)
 
 
 def named(value: xr.DataArray, panel: Panel) -> str:
-    """A choice in words."""
+    """Label of a panel: its coordinates and their values."""
     return ", ".join(f"{dim} {shown(value[dim].values[k])}" for dim, k in panel.items())
 
 
 def grid(n: int, *, width: float = 3.8, height: float = 3.1):
-    """A figure of ``n`` panels, and their axes."""
+    """Figure of ``n`` panels, and their axes."""
     from matplotlib.figure import Figure
 
     columns = min(n, 4)
@@ -57,6 +57,6 @@ def grid(n: int, *, width: float = 3.8, height: float = 3.1):
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a picture whole or not at all, in the format of its suffix."""
+    """Write a figure whole or not at all, in the format of its suffix."""
     with whole_file(path) as part:
         figure.savefig(part, format=path.suffix[1:])

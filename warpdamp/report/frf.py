@@ -1,4 +1,4 @@
-"""Pictures of frequency responses, and of what changes with Gamma; knows nothing but Datasets."""
+"""Figures of frequency responses, and of modal properties over Gamma, from Datasets alone."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ WINDOW = 5.0
 
 
 def families(frf: xr.Dataset) -> Figure:
-    """Accelerance at controlled Gamma, one panel a mode, lines coloured by Gamma."""
+    """Figure of the accelerance at controlled Gamma, one panel a mode, lines coloured by Gamma."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -30,8 +30,8 @@ def families(frf: xr.Dataset) -> Figure:
     colours = ScalarMappable(Normalize(gamma.min(), gamma.max()), colormaps["viridis"])
     size = np.hypot(frf["accelerance_real"], frf["accelerance_imaginary"])
     for k, ax in enumerate(axes):
-        own = frf.isel(mode=k)
-        low, high = _window(own["resonance_frequency"].values, own["resonance_damping_ratio"].values)
+        mode = frf.isel(mode=k)
+        low, high = _window(mode["resonance_frequency"].values, mode["resonance_damping_ratio"].values)
         shown = size.sel(frequency=slice(low, high))
         for curve, value in zip(shown.transpose("gamma", "frequency").values, gamma, strict=True):
             ax.semilogy(shown["frequency"], curve, color=colours.to_rgba(value), lw=1)
@@ -45,7 +45,7 @@ def families(frf: xr.Dataset) -> Figure:
 
 
 def force_curves(*responses: xr.Dataset) -> Figure:
-    """Response at constant force, one panel a Dataset, lines coloured by the force.
+    """Figure of the response at constant force, one panel a Dataset, lines coloured by the force.
 
     Dashed where unstable, thin where Gamma lies outside the range of the damper's results.
     """
@@ -85,7 +85,7 @@ def _branch(ax, branch, colour, label) -> None:
 
 
 def against_gamma(corrected: xr.Dataset, fitted: xr.Dataset | None = None) -> Figure:
-    """Natural frequency and damping ratio of every mode against Gamma, corrected and not, and as fitted to FRFs."""
+    """Figure of every mode's natural frequency and damping ratio over Gamma: corrected, not, and fitted to FRFs."""
     from matplotlib.figure import Figure
 
     modes = corrected.sizes["mode"]
@@ -93,18 +93,18 @@ def against_gamma(corrected: xr.Dataset, fitted: xr.Dataset | None = None) -> Fi
     rows = figure.subplots(2, modes, squeeze=False, sharex=True)
     gamma = corrected["gamma"].values
     for k in range(modes):
-        own = corrected.isel(mode=k)
+        mode = corrected.isel(mode=k)
         frequency, damping = rows[:, k]
-        error = own["corrected_natural_frequency_standard_error"]
-        frequency.errorbar(gamma, own["corrected_natural_frequency"], error, color="C0", capsize=2, lw=1, marker=".")
-        frequency.axhline(float(own["natural_frequency"]), color="C1", ls=":", label="particles as a rigid mass")
-        frequency.axhline(float(own["empty_natural_frequency"]), color="0.5", ls="--", label="no particles")
-        error = own["damping_ratio_standard_error"]
-        damping.errorbar(gamma, own["damping_ratio"], error, color="C1", ls=":", capsize=2, lw=1, label="by energy")
-        damping.plot(gamma, own["corrected_damping_ratio"], "C0.-", lw=1, label="by energy, corrected")
+        error = mode["corrected_natural_frequency_standard_error"]
+        frequency.errorbar(gamma, mode["corrected_natural_frequency"], error, color="C0", capsize=2, lw=1, marker=".")
+        frequency.axhline(float(mode["natural_frequency"]), color="C1", ls=":", label="particles as a rigid mass")
+        frequency.axhline(float(mode["empty_natural_frequency"]), color="0.5", ls="--", label="no particles")
+        error = mode["damping_ratio_standard_error"]
+        damping.errorbar(gamma, mode["damping_ratio"], error, color="C1", ls=":", capsize=2, lw=1, label="by energy")
+        damping.plot(gamma, mode["corrected_damping_ratio"], "C0.-", lw=1, label="by energy, corrected")
         if fitted is not None:
-            _fitted(frequency, damping, fitted.sel(mode=own["mode"]))
-        frequency.set_title(f"mode {int(own['mode'])}", fontsize=10)
+            _fitted(frequency, damping, fitted.sel(mode=mode["mode"]))
+        frequency.set_title(f"mode {int(mode['mode'])}", fontsize=10)
         damping.set_ylim(bottom=0)
         _dress(damping, "Γ [-]")
         frequency.grid(alpha=0.3)
@@ -117,7 +117,7 @@ def against_gamma(corrected: xr.Dataset, fitted: xr.Dataset | None = None) -> Fi
 
 
 def fitted_curves(fitted: xr.Dataset) -> Figure:
-    """Frequency and damping of every mode against Gamma, as fitted to FRFs by every method."""
+    """Figure of every mode's frequency and damping over Gamma, as fitted to FRFs by every method."""
     from matplotlib.figure import Figure
 
     modes = fitted.sizes["mode"]
@@ -139,10 +139,10 @@ def fitted_curves(fitted: xr.Dataset) -> Figure:
 def _fitted(frequency, damping, fitted) -> None:
     """Hollow marks, one kind a method."""
     for marker, method in zip("^sDo", fitted["fit"].values, strict=True):
-        one = fitted.sel(fit=method)
+        fit = fitted.sel(fit=method)
         style = {"marker": marker, "ls": "", "ms": 4, "mfc": "none", "mew": 0.8, "label": f"fit: {method}"}
-        frequency.plot(one["gamma"], one["fitted_frequency"], **style)
-        damping.plot(one["gamma"], one["fitted_damping_ratio"], **style)
+        frequency.plot(fit["gamma"], fit["fitted_frequency"], **style)
+        damping.plot(fit["gamma"], fit["fitted_damping_ratio"], **style)
 
 
 def _window(frequency, damping) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Pictures of sweeps: maps over frequency and Gamma, and scattered cases."""
+"""Figures of sweeps: maps over frequency and Gamma, and scattered cases."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ def _maps(value: xr.DataArray, **style):
 
 
 def phase_map(dataset: xr.Dataset) -> Figure:
-    """Effectiveness over frequency and Gamma, mean over seeds, one panel a combination of the other scalars.
+    """Map of effectiveness over frequency and Gamma, mean over seeds, one panel a combination of the other scalars.
 
     Dashed: eq. 1 with the clearance measured.  Dotted: the same with gravity along the axis.  Points with error bars:
     the optima found, of fluidisation (circles) and of two-sided collision (squares).
     """
     value, _ = over_packings(dataset, "effectiveness")
-    found = optimum(dataset)
+    optima = optimum(dataset)
     top = float(np.nanmax(value)) if np.isfinite(value).any() else 1.0
     figure, drawn, image = _maps(value, vmin=0, vmax=top, cmap="viridis")
     for ax, panel in drawn:
         _lines(ax, dataset, panel)
         for name, marker in (("fluidisation", "o"), ("collision", "s")):
-            own = found.isel({dim: k for dim, k in panel.items() if dim in found.dims})
+            curve = optima.isel({dim: k for dim, k in panel.items() if dim in optima.dims})
             ax.errorbar(
-                dataset["frequency"], own[f"gamma_{name}"], own[f"gamma_{name}_standard_error"], fmt=marker, ms=4,
+                dataset["frequency"], curve[f"gamma_{name}"], curve[f"gamma_{name}_standard_error"], fmt=marker, ms=4,
                 lw=0.8, mfc="none", color="white", label=f"optimum of {name}",
             )  # fmt: skip
         ax.set_ylim(float(dataset["gamma"].min()), float(dataset["gamma"].max()))
@@ -60,7 +60,7 @@ def phase_map(dataset: xr.Dataset) -> Figure:
 
 
 def regime_map(dataset: xr.Dataset) -> Figure:
-    """Regimes of motion over frequency and Gamma, one panel a combination of the other scalars; see ``regimes``.
+    """Map of regimes of motion over frequency and Gamma, one panel a combination of the other scalars.
 
     Of several seeds the first is shown: labels have no mean.
     """
@@ -101,7 +101,7 @@ def _lines(ax, dataset, panel) -> None:
 
 
 def scattered(dataset: xr.Dataset) -> Figure:
-    """Effectiveness of cases against each of the scalars that change together; colour: Gamma, where it is one."""
+    """Figure of effectiveness against each of the scalars that change together; colour: Gamma, where it is one."""
     value, _ = over_packings(dataset, "effectiveness")
     names = [
         name for name, c in dataset.coords.items() if c.dims == ("case",) and name != "case" and c.dtype.kind in "iuf"

@@ -1,4 +1,4 @@
-"""Pictures of mode shapes."""
+"""Figures of mode shapes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def shapes(modes: Modes, title: str = "") -> Figure:
-    """Displacement along the direction of the excitation, one panel a mode, the damper marked.
+    """Figure of displacement along the direction of the excitation, one panel a mode, the damper marked.
 
     A curve where the points lie on a line, as a beam's do; elsewhere the points, seen along the direction in which they
     extend least, in the colour of their displacement.

@@ -1,4 +1,4 @@
-"""What a person reads in the terminal after a run."""
+"""Tables and sentences for the terminal after a run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ import numpy as np
 from ..analysis.accuracy import chance, cheapest, step_errors, systematic
 from ..analysis.optimum import peaks
 from ..analysis.results import over_packings, worst_status
-from ..damper.case import MOST_BLOCKS
 from ..status import Status
 from ..variables import NOT_RUN
 from .figures import panels, shown
@@ -37,6 +36,7 @@ def modes_table(modes) -> Table:
     ):
         own = [f"{100 * damping:.3g} %"] * damped + [f"{100 * high:.2g} %"] * meshed
         table.add_row(f"{number}", f"{frequency:.2f}", f"{amplitude:.4f}", f"{mass:.4f}", *own)
+    table.caption = modes.remark or None
     return table
 
 
@@ -44,7 +44,7 @@ MOST_ROWS = 40
 
 
 def summary(dataset: xr.Dataset) -> Table:
-    """Per mode or frequency, and swept value: f, phi and the peaks of the curve; without curves, the best cases."""
+    """Table of the peaks of each curve, by mode or frequency and swept value; without curves, the best cases."""
     if "gamma" not in dataset.dims or "effectiveness" not in dataset:
         return _best(dataset)
     modal = "damping_ratio" in dataset
@@ -59,18 +59,18 @@ def summary(dataset: xr.Dataset) -> Table:
     head = ("mode", "f [Hz]", "phi [kg^-½]") if modal else ("f [Hz]",) * (lines in outer)
     table = _table(*head, *swept, "peaks of the damping ratio" if modal else "peaks of the effectiveness")
     for at in panels(value, outer, MOST_ROWS):
-        found = peaks(dataset["gamma"], value.isel(at), error.isel(at))
+        tops = peaks(dataset["gamma"], value.isel(at), error.isel(at))
         case = status.isel({"frequency" if name == "mode" else name: k for name, k in at.items()})
-        text = ", ".join(_peak(p, dataset["gamma"].values, case.sel(gamma=p.gamma)) for p in found)
-        own = {name: shown(value[name].values[k]) for name, k in at.items() if name != lines}
-        table.add_row(*_line_head(dataset, at), *own.values(), text or "-")
+        text = ", ".join(_peak(p, dataset["gamma"].values, case.sel(gamma=p.gamma)) for p in tops)
+        labels = {name: shown(value[name].values[k]) for name, k in at.items() if name != lines}
+        table.add_row(*_line_head(dataset, at), *labels.values(), text or "-")
     if math.prod(value.sizes[dim] for dim in outer) > MOST_ROWS:
         table.caption = f"{MOST_ROWS} of {math.prod(value.sizes[dim] for dim in outer)} lines"
     return table
 
 
 def _best(dataset: xr.Dataset) -> Table:
-    """The ten cases of the highest effectiveness."""
+    """Table of the ten cases of highest effectiveness."""
     names = [str(name) for name in dataset.coords if name != "preparation" or dataset[name].ndim]
     table = _table(*names, "effectiveness")
     if "effectiveness" in dataset:
@@ -78,15 +78,15 @@ def _best(dataset: xr.Dataset) -> Table:
         flat = value.stack(point=value.dims, create_index=False)
         for k in np.argsort(-flat.values)[:10]:
             if np.isfinite(flat.values[k]):
-                own = {name: dataset[name] for name in names}
+                coords = {name: dataset[name] for name in names}
                 at = {d: int(i) for d, i in zip(value.dims, np.unravel_index(k, value.shape), strict=True)}
-                cells = (shown(c.isel({d: i for d, i in at.items() if d in c.dims}).values) for c in own.values())
+                cells = (shown(c.isel({d: i for d, i in at.items() if d in c.dims}).values) for c in coords.values())
                 table.add_row(*cells, f"{flat.values[k]:.4g}")
     return table
 
 
 def _peak(peak, gammas, status) -> str:
-    """A peak in words; what may hide a higher one is said."""
+    """Text of a peak; what may hide a higher one is noted."""
     notes = []
     if peak.gamma in (gammas[0], gammas[-1]):
         notes.append("the edge of what was run")
@@ -99,28 +99,48 @@ def _peak(peak, gammas, status) -> str:
 
 def _line_head(dataset, at):
     if "mode" in at:
-        own = dataset[["natural_frequency", "mode_amplitude"]]
-        own = own.isel({name: k for name, k in at.items() if name in own.dims})
+        properties = dataset[["natural_frequency", "mode_amplitude"]]
+        properties = properties.isel({name: k for name, k in at.items() if name in properties.dims})
         mode = int(dataset["mode"][at["mode"]])
-        return f"{mode}", f"{float(own['natural_frequency']):.2f}", f"{float(own['mode_amplitude']):.4f}"
+        return f"{mode}", f"{float(properties['natural_frequency']):.2f}", f"{float(properties['mode_amplitude']):.4f}"
     return (f"{float(dataset['frequency'][at['frequency']]):.2f}",) if "frequency" in at else ()
 
 
 def fits_table(fitted: xr.Dataset) -> Table:
-    """Per mode: frequency and damping ratio by every method, with standard errors; over several Gammas without."""
-    several = "gamma" in fitted.dims
-    methods = [str(name) for name in fitted["fit"].values]
-    table = _table("mode", *(["Γ"] if several else []), "f [Hz]", *methods)
-    table.title = "natural frequency by least squares; damping ratio [%] by method"
-    for mode, gamma in itertools.product(fitted["mode"].values, fitted["gamma"].values if several else [None]):
-        at = fitted.sel(mode=mode) if gamma is None else fitted.sel(mode=mode, gamma=gamma)
-        rows = [at.sel(fit=name) for name in methods]
-        best = rows[-1]
-        values = [(best["fitted_frequency"], best["fitted_frequency_standard_error"])]
-        values += [(100 * r["fitted_damping_ratio"], 100 * r["fitted_damping_ratio_standard_error"]) for r in rows]
-        cells = [_value(value, np.nan if several else error) for value, error in values]
-        table.add_row(f"{mode}", *([f"{gamma:g}"] if several else []), *cells)
+    """Fits of one FRF with their errors, quality and band; of several FRFs a row a mode, without errors."""
+    several = next((dim for dim in ("gamma", "frf") if dim in fitted.dims), None)
+    table = _table("mode", "fit", "f [Hz]", "ζ [%]", "R²") if several is None else _compact(fitted, several)
+    table.title = f"natural frequency and {fitted.attrs['damping']} damping ratio ζ [%]"
+    for mode in fitted["mode"].values if several is None else ():
+        at = fitted.sel(mode=mode)
+        for name in fitted["fit"].values:
+            row = at.sel(fit=name)
+            frequency = _value(row["fitted_frequency"], row["fitted_frequency_standard_error"])
+            ratio = _value(100 * row["fitted_damping_ratio"], 100 * row["fitted_damping_ratio_standard_error"])
+            table.add_row(f"{mode}", f"{name}", frequency, ratio, f"{float(row['fitted_quality']):.4f}")
+    if several is None:
+        bands = [f"mode {mode} {_band(fitted.sel(mode=mode))}" for mode in fitted["mode"].values]
+        table.caption = f"half-power bands: {'; '.join(bands)}"
     return table
+
+
+def _compact(fitted: xr.Dataset, several: str) -> Table:
+    methods = [str(name) for name in fitted["fit"].values]
+    table = _table("mode", {"gamma": "Γ", "frf": "FRF"}[several], "f [Hz]", *methods, "R²")
+    for mode, value in itertools.product(fitted["mode"].values, fitted[several].values):
+        rows = [fitted.sel({"mode": mode, several: value, "fit": name}) for name in methods]
+        best = next((row for row in reversed(rows) if np.isfinite(row["fitted_frequency"])), rows[-1])
+        cells = [_value(100 * row["fitted_damping_ratio"], np.nan) for row in rows]
+        own = f"{value:g}" if several == "gamma" else f"{value}"
+        quality = _value(best["fitted_quality"], np.nan)
+        table.add_row(f"{mode}", own, _value(best["fitted_frequency"], np.nan), *cells, quality)
+    return table
+
+
+def _band(at: xr.Dataset) -> str:
+    if np.isnan(at["band_start"]):
+        return "not fitted"
+    return f"{float(at['band_start']):.4g} to {float(at['band_end']):.4g} Hz, {int(at['band_lines'])} lines"
 
 
 def accuracy_table(runs: xr.Dataset) -> Table:
@@ -129,11 +149,11 @@ def accuracy_table(runs: xr.Dataset) -> Table:
     table = _table("point", *(f"{100 * t:g} %" for t in tolerances))
     errors = systematic(runs)
     for p in range(runs.sizes["point"]):
-        own = chance(runs["effectiveness"].isel(point=p).sel(variation="steps_per_contact=24").values)
+        scatter = chance(runs["effectiveness"].isel(point=p).sel(variation="steps_per_contact=24").values)
         steps = step_errors(errors.isel(point=p))
         cells = []
         for tolerance in tolerances:
-            best = cheapest(steps, own, tolerance)
+            best = cheapest(steps, scatter, tolerance)
             cells.append(
                 "not reached"
                 if best is None
@@ -144,14 +164,14 @@ def accuracy_table(runs: xr.Dataset) -> Table:
 
 
 def _value(value, error) -> str:
-    """A number, with its standard error where there is one."""
+    """Text of a number, with its standard error if it has one."""
     if np.isnan(value):
         return "-"
     return f"{float(value):.5g}" + (f" ± {float(error):.1g}" if np.isfinite(error) else "")
 
 
 def verdicts(dataset: xr.Dataset) -> list[str]:
-    """How the cases ended, worst first, in sentences; and how well the ledger closed."""
+    """Sentences on how the cases ended, worst first, and how well the ledger closed."""
     status = dataset["status"].values
     ran = np.sum(status != NOT_RUN)
     ends = [s for s in reversed(Status) if s != NOT_RUN and np.any(status == s)]
@@ -165,16 +185,19 @@ def verdicts(dataset: xr.Dataset) -> list[str]:
     elif ran < status.size:
         lines.append(f"{status.size - ran} of {status.size} cases: {Status.NOT_RUN.meaning}")
     if "message" in dataset:
-        said = sorted({text for text in dataset["message"].values.ravel() if text})
-        lines += [f"  {text}" for text in said[:5]] + (
-            [f"  and {len(said) - 5} other messages"] if len(said) > 5 else []
+        messages = sorted({text for text in dataset["message"].values.ravel() if text})
+        lines += [f"  {text}" for text in messages[:5]] + (
+            [f"  and {len(messages) - 5} other messages"] if len(messages) > 5 else []
         )
     if "ledger_residual" not in dataset:
         return lines
-    stopped = dataset["compaction_blocks"] >= MOST_BLOCKS
+    stopped = dataset["compaction_settled"] == 0
     if stopped.any():
         of_drive = [dim for dim in ("frequency", "gamma") if dim in stopped.dims]
-        lines.append(f"{int(stopped.any(of_drive).sum())} beds were still compacting when their preparation ended")
+        lines.append(
+            f"{int(stopped.any(of_drive).sum())} beds were still compacting, or not in the state asked for, when "
+            "their preparation ended"
+        )
     residual = dataset["ledger_residual"].values
     if np.isfinite(residual).any():
         lines.append(f"energy ledger: residual at most {100 * np.nanmax(residual):.2g} % of the dissipation")

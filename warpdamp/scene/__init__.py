@@ -1,1 +1,1 @@
-"""What is simulated: materials, surfaces, cavity, drive, particles, and the effects that they call for."""
+"""The scene: materials, surfaces, cavity, drive, particles, and the effects that they require."""

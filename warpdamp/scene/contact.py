@@ -13,14 +13,20 @@ LEAST_RESTITUTION = 1e-3
 
 @functools.cache
 def dashpot(restitution: float) -> float:
-    """Strength b of the dashpot with which an impact returns the restitution asked for.
+    """Strength b of the dashpot with which an impact returns the restitution asked for [-].
 
     Without tension the textbook value -ln e / sqrt(ln^2 e + pi^2) returns 0.566 for 0.52: the pull that it counts on
     at the end is missing.  So b is solved for, once for each restitution.
 
     Parameters
     ----------
-    restitution : e, 0 to 1
+    restitution : float
+        e [-], 0 to 1.
+
+    Returns
+    -------
+    float
+        0 for an elastic contact.
     """
     from scipy.optimize import brentq  # half a second, and configurations are read without it
 
@@ -52,7 +58,19 @@ def _rebound(b: float) -> float:
 
 
 def contact_constants(one: Material, other: Material, surface: Surface) -> dict:
-    """E*, G*, the dashpots' factors and frictions of two materials, as ``kernels.structs.Law`` holds them."""
+    """Constants of the contact law between two materials, as ``kernels.structs.Law`` holds them.
+
+    Parameters
+    ----------
+    one, other : Material
+    surface : Surface
+
+    Returns
+    -------
+    dict of float
+        ``modulus`` E* and ``shear_modulus`` G* [Pa]; ``normal_damping`` and ``tangential_damping``
+        [Pa^0.5], the factors of the dashpots; ``friction`` and ``rolling_friction`` [-].
+    """
     modulus = 1 / sum((1 - m.poissons_ratio**2) / m.youngs_modulus for m in (one, other))
     shear_modulus = 1 / sum((2 - m.poissons_ratio) / m.shear_modulus for m in (one, other))
     damping = 2 * math.sqrt(5 / 6) * dashpot(surface.restitution)

@@ -1,4 +1,4 @@
-"""What a scene calls for: the frozen choice that kernels are compiled for."""
+"""Effects of a scene: the frozen choice that kernels are compiled for."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ WALLS = ("side", "floor", "lid")
 
 @dataclass(frozen=True)
 class Effect:
-    """All that the rest of the code has to know of an effect, but for its physics in the kernels.
+    """An effect: when a scene requires it, and what the code outside the kernels needs to know of it.
 
     Parameters
     ----------
     called_for : function of (Scene, grains)
-        Whether a scene of these particles calls for it.
+        Whether a scene of these particles requires it.
     keys : tuple of str
-        Keys of the configuration that call for it, the last where the others are silent; without any, not explained.
+        Keys of the configuration that require it, the last where the others are absent; without any, not explained.
     forcible : bool
         Whether it may be forced on or off; others are the scene's geometry and content, or not to be left out.
     needs : tuple of str
@@ -127,7 +127,7 @@ EFFECTS = {
     "guards": Effect(_always, in_memory=False),
     "structure": Effect(_structure, usual=False),
 }
-"""Every effect, in the order of the fields of ``Effects``; ``precision`` is none of them."""
+"""Effects by name, in the order of the fields of ``Effects``; ``precision`` is not among them."""
 
 FORCIBLE = tuple(name for name, effect in EFFECTS.items() if effect.forcible)
 """Effects that may be forced on or off."""
@@ -159,7 +159,7 @@ class Effects(_Switches):
     channels : bool
         Whether the ledger keeps losses by channel, or only their sum.
     indicators : bool
-        Whether it also keeps what tells the regime of motion: impulses on floor and lid, displacements over a cycle.
+        Whether it also keeps indicators of the regime of motion: impulses on floor and lid, displacements over a cycle.
     guards : bool
         Whether every step checks that the state is finite, and every launch that all particles are in the cavity.
     structure : bool
@@ -184,7 +184,7 @@ class Effects(_Switches):
 
     @property
     def history(self) -> bool:
-        """Whether contacts remember anything."""
+        """Whether contacts have a history."""
         return self.friction or self.rolling
 
     @property
@@ -194,19 +194,28 @@ class Effects(_Switches):
 
     @property
     def in_memory(self) -> Effects:
-        """The same, as far as the structs on the device depend on them: all others on, any wall for all three."""
+        """The effects that the structs on the device depend on: all others on, any wall for all three."""
         others = [name for name, effect in EFFECTS.items() if not effect.in_memory]
         return replace(self, **{name: self.enclosure if name in WALLS else True for name in others})
 
     def forced(self, choices: dict[str, bool]) -> Effects:
-        """The same with some effects forced on or off.
+        """Effects with some of them forced on or off.
 
-        What cannot be without an effect goes with it: rolling resistance with rotation.
+        An effect that needs another goes with it: rolling resistance with rotation.
+
+        Parameters
+        ----------
+        choices : dict of bool
+            Whether each effect is on, by its name.
+
+        Returns
+        -------
+        Effects
 
         Raises
         ------
         ValueError
-            If an effect cannot be forced.
+            If an effect cannot be forced; says which can.
         """
         for name in choices:
             if name not in FORCIBLE:
@@ -217,25 +226,37 @@ class Effects(_Switches):
 
 
 def called_for(scene: Scene, grains, *, precision: Precision = "float64") -> Effects:
-    """The effects that a scene calls for, and no other.
+    """Effects that a scene requires, and no others.
 
     Parameters
     ----------
     scene : Scene
-    grains : anything with ``radius`` and ``species``, as a State
+    grains : State, Grains, or anything with ``radius`` and ``species``
     precision : "float64" or "float32"
+
+    Returns
+    -------
+    Effects
     """
     return Effects(**{name: effect.called_for(scene, grains) for name, effect in EFFECTS.items()}, precision=precision)
 
 
-def covering(every: list[Effects]) -> Effects:
-    """The fewest effects with which each of several scenes can be simulated.
+def covering(choices: list[Effects]) -> Effects:
+    """Fewest effects with which each of several scenes can be simulated.
+
+    Parameters
+    ----------
+    choices : list of Effects
+
+    Returns
+    -------
+    Effects
 
     Raises
     ------
     ValueError
         If the precisions differ.
     """
-    if len({effects.precision for effects in every}) > 1:
+    if len({effects.precision for effects in choices}) > 1:
         raise ValueError("the cases of a batch must all have one precision")
-    return replace(every[0], **{name: any(getattr(effects, name) for effects in every) for name in EFFECTS})
+    return replace(choices[0], **{name: any(getattr(effects, name) for effects in choices) for name in EFFECTS})

@@ -1,4 +1,4 @@
-"""Particles: what they are, and their state at one moment."""
+"""Particles: their constants, and their state at one moment."""
 
 from __future__ import annotations
 
@@ -11,14 +11,22 @@ from .scene import _HISTORIES, ContactHistory, sphere_volume
 
 @dataclass(frozen=True)
 class Grains:
-    """What the particles are: radius [m] and species (position among the scene's materials) of each."""
+    """Constants of the particles: radius and species of each.
+
+    Parameters
+    ----------
+    radius : tuple of n floats
+        [m].
+    species : tuple of n ints
+        Position of each particle's material among the scene's.
+    """
 
     radius: tuple[float, ...]
     species: tuple[int, ...]
 
     @classmethod
     def alike(cls, radius: float, count: int) -> Grains:
-        """Equal spheres of one material."""
+        """Equal spheres of one material: ``count`` of ``radius`` [m]."""
         return cls((radius,) * count, (0,) * count)
 
     def __len__(self) -> int:
@@ -27,15 +35,16 @@ class Grains:
 
 @dataclass
 class State:
-    """Particles at one moment.
+    """State of the particles at one moment.
 
     Parameters
     ----------
-    position, velocity, spin : (n, 3) arrays [m, m/s, rad/s]
-        Velocity and spin relative to the enclosure.
-    radius : (n,) array [m]
-    pairs : (m, 2) array of particle numbers i < j
-        Touching pairs that remember something.
+    position, velocity, spin : (n, 3) arrays
+        [m], [m/s], [rad/s]; velocity and spin relative to the enclosure.
+    radius : (n,) array
+        [m].
+    pairs : (m, 2) array of ints
+        Touching pairs i < j with a contact history.
     pair_history : ContactHistory of (m,) contacts
     wall_history : ContactHistory of (n, 3) contacts
         With side, floor and lid.
@@ -46,6 +55,13 @@ class State:
     ------
     ValueError
         If a pair is not (i, j) with i < j.
+
+    Examples
+    --------
+    >>> from warpdamp import State
+    >>> state = State.at_rest([[0, 0, 0.01], [0, 0, 0.02]], radius=3.73e-3)
+    >>> len(state), state.velocity.shape
+    (2, (2, 3))
     """
 
     position: np.ndarray
@@ -70,7 +86,21 @@ class State:
 
     @classmethod
     def at_rest(cls, position, radius, species=0) -> State:
-        """Particles at rest at ``position`` (n, 3) with one radius and species, or one each."""
+        """State of particles at rest, without contact history.
+
+        Parameters
+        ----------
+        position : (n, 3) array
+            [m].
+        radius : float or (n,) array
+            [m].
+        species : int or (n,) array of ints
+            Position of each particle's material among the scene's.
+
+        Returns
+        -------
+        State
+        """
         position = np.array(position, float).reshape(-1, 3)
         radius = np.broadcast_to(np.asarray(radius, float), len(position)).copy()
         species = np.broadcast_to(np.asarray(species, np.int32), len(position)).copy()
@@ -85,11 +115,11 @@ class State:
         return self.radius
 
     def volume(self) -> float:
-        """Volume of all particles [m^3]."""
+        """Volume of all particles together [m^3]."""
         return float(np.sum(sphere_volume(self.radius)))
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """The state as named arrays, as files hold it; see ``from_arrays``."""
+        """Arrays of the state by name, as files hold them; see ``from_arrays``."""
         plain = {name: value for name, value in vars(self).items() if name not in _HISTORIES}
         return plain | {
             f"{name}_{part}": array for name in _HISTORIES for part, array in vars(getattr(self, name)).items()
@@ -97,12 +127,12 @@ class State:
 
     @classmethod
     def from_arrays(cls, arrays: dict[str, np.ndarray]) -> State:
-        """The state of ``arrays``.
+        """State from named arrays; the inverse of ``arrays``.
 
         Raises
         ------
         KeyError, TypeError
-            If one is missing, or one too many.
+            If an array is missing, or there is one too many.
         """
         rest = dict(arrays)
         histories = {

@@ -1,4 +1,4 @@
-"""A scene: what is simulated.  SI units throughout."""
+"""Nouns of a simulation: materials, surfaces, cavity, drive, mount, scene.  SI units throughout."""
 
 from __future__ import annotations
 
@@ -13,7 +13,24 @@ STANDARD_GRAVITY = 9.81
 
 @dataclass(frozen=True)
 class Material:
-    """An isotropic elastic material: density [kg/m^3], Young's modulus [Pa], Poisson's ratio [-]."""
+    """Isotropic elastic material.
+
+    Parameters
+    ----------
+    density : float
+        Mass density [kg/m^3].
+    youngs_modulus : float
+        E [Pa].
+    poissons_ratio : float
+        nu [-].
+
+    Examples
+    --------
+    >>> from warpdamp import Material
+    >>> pmma = Material(density=920, youngs_modulus=3.3e9, poissons_ratio=0.37)
+    >>> round(pmma.shear_modulus / 1e9, 3)  # G = E / (2 (1 + nu)) [GPa]
+    1.204
+    """
 
     density: float
     youngs_modulus: float
@@ -21,15 +38,28 @@ class Material:
 
     @property
     def shear_modulus(self) -> float:
-        """G = E / (2 (1 + nu)) [Pa]."""
+        """Shear modulus G = E / (2 (1 + nu)) [Pa]."""
         return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
 
 
 @dataclass(frozen=True)
 class Surface:
-    """How two bodies meet: coefficients of restitution, of sliding friction and of rolling friction [-].
+    """Surface pairing of two bodies: coefficients of restitution, of sliding friction and of rolling friction.
 
-    The moment of rolling resistance is at most ``rolling_friction`` R* Fn.
+    Parameters
+    ----------
+    restitution : float
+        e [-], 0 to 1: speed after a head-on impact over the speed before it.
+    friction : float
+        mu [-]: the tangential force is at most mu times the normal force Fn.
+    rolling_friction : float
+        mu_r [-]: the moment of rolling resistance is at most mu_r R* Fn, R* the reduced radius.
+
+    Examples
+    --------
+    >>> from warpdamp import Surface
+    >>> Surface(restitution=0.52, friction=0.86)
+    Surface(restitution=0.52, friction=0.86, rolling_friction=0.0)
     """
 
     restitution: float
@@ -39,10 +69,24 @@ class Surface:
 
 @dataclass(frozen=True)
 class Cylinder:
-    """The cavity: inner diameter and height [m], its axis along z, the origin at the centre of the floor.
+    """Cylindrical cavity, its axis along z, the origin at the centre of the floor.
 
-    Each of its walls may be left out; those that are there reach as far as the particles do, so that the side of an
+    Each of its walls may be left out; those that are present reach as far as the particles do, so that the side of an
     open cup (``lid=False``) rises without end.
+
+    Parameters
+    ----------
+    diameter, height : float
+        Inner dimensions [m].
+    side, floor, lid : bool
+        Whether the wall is present.
+
+    Examples
+    --------
+    >>> from warpdamp import Cylinder
+    >>> cavity = Cylinder(diameter=0.04, height=0.04)
+    >>> round(1e6 * cavity.volume, 2)  # [cm^3]
+    50.27
     """
 
     diameter: float
@@ -53,19 +97,34 @@ class Cylinder:
 
     @property
     def volume(self) -> float:
-        """[m^3]."""
+        """Volume of the closed cavity [m^3]."""
         return math.pi / 4 * self.diameter**2 * self.height
 
 
 @dataclass(frozen=True)
 class Drive:
-    """Sinusoidal motion of the enclosure, X sin(2 pi f t) along ``direction``.
+    """Sinusoidal motion prescribed to the enclosure, X sin(2 pi f t) along ``direction``.
 
     Parameters
     ----------
-    frequency : f [Hz]
-    acceleration : amplitude X (2 pi f)^2 [m/s^2]
-    direction : unit vector
+    frequency : float
+        f [Hz].
+    acceleration : float
+        Amplitude X (2 pi f)^2 [m/s^2]; Gamma times g.
+    direction : tuple of 3 floats
+        Unit vector.
+
+    Raises
+    ------
+    ValueError
+        If the frequency is not positive, or the direction has not length 1.
+
+    Examples
+    --------
+    >>> from warpdamp import Drive
+    >>> drive = Drive(frequency=46.0, acceleration=6 * 9.81)
+    >>> round(1e3 * drive.displacement, 3), round(drive.speed, 3)  # amplitudes [mm], [m/s]
+    (0.705, 0.204)
     """
 
     frequency: float
@@ -78,17 +137,17 @@ class Drive:
 
     @property
     def angular_frequency(self) -> float:
-        """[rad/s]."""
+        """Angular frequency 2 pi f [rad/s]."""
         return 2 * math.pi * self.frequency
 
     @property
     def displacement(self) -> float:
-        """Amplitude X [m]."""
+        """Displacement amplitude X [m]."""
         return self.acceleration / self.angular_frequency**2
 
     @property
     def speed(self) -> float:
-        """Amplitude [m/s]."""
+        """Speed amplitude 2 pi f X [m/s]."""
         return self.acceleration / self.angular_frequency
 
 
@@ -98,11 +157,19 @@ class Signal:
 
     Parameters
     ----------
-    amplitude : A
-    frequency : f [Hz], of the harmonic part
+    amplitude : float
+        A [N of a force, m/s^2 of a base's motion].
+    frequency : float or None
+        f of the harmonic part [Hz].
     samples : (n,) array or None
-        Recorded, swept or random; after the last one it stays at that.
-    sample_step : [s] between samples, the first at time 0
+        Recorded, swept or random, in the same unit; after the last sample it keeps that value.
+    sample_step : float
+        Time between samples [s], the first at time 0.
+
+    Raises
+    ------
+    ValueError
+        If a harmonic part has no positive frequency, or there are fewer than two samples or no positive sample_step.
     """
 
     amplitude: float = 0.0
@@ -133,21 +200,34 @@ class BaseMotion(Signal):
 
 @dataclass(frozen=True)
 class Mount:
-    """The structure that the enclosure is fixed to: its modes without the particles, and how it starts.
+    """Structure that the enclosure is fixed to: its modes without the particles, and its initial state.
 
     Parameters
     ----------
-    frequency : natural frequencies [Hz]
-    damping : inherent damping ratios
-    amplitude : mass-normalised mode shapes at the damper, along ``direction`` [kg^-0.5]
-    direction : unit vector
+    frequency : tuple of m floats
+        Natural frequencies [Hz].
+    damping : tuple of m floats
+        Inherent damping ratios [-].
+    amplitude : tuple of m floats
+        Mass-normalised mode shapes at the damper, along ``direction`` [kg^-0.5].
+    direction : tuple of 3 floats
+        Unit vector.
     force : Force or None
-    position, velocity : modal q [m kg^0.5] and q' [m kg^0.5/s] at the start (zero unless given)
-    record : steps between records of the enclosure's motion and of the particles' force on it; 0: none
+        Force on the structure at the damper.
+    position, velocity : tuple of m floats
+        Modal q [m kg^0.5] and q' [m kg^0.5/s] at the start (zero unless given).
+    record : int
+        Steps between records of the enclosure's motion and of the particles' force on it; 0: none.
     base : BaseMotion or None
         Instead of a force.  Modal coordinates are then of the motion relative to the base.
-    participation : Gamma = phi^T M d of each mode, d the base's unit displacement [kg^0.5]
-        Needed with a base that moves.
+    participation : tuple of m floats
+        Gamma = phi^T M d of each mode, d the base's unit displacement [kg^0.5]; needed with a base that moves.
+
+    Raises
+    ------
+    ValueError
+        If there is no mode, the tuples differ in length, a frequency is not positive, the direction has not length 1,
+        or there are a force and a base.
     """
 
     frequency: tuple[float, ...]
@@ -200,18 +280,36 @@ class Scene:
 
     Parameters
     ----------
-    particle : Material, or one for each species of a mixture
+    particle : Material, or tuple of Material
+        One, or one for each species of a mixture.
     wall : Material
-    particle_contact : Surface
-        Of particles with each other; in a mixture, rows of them: ``particle_contact[i][j]`` of species i and j.
-    wall_contact : Surface
-        Of particles with the walls; in a mixture, one for each species.
+    particle_contact : Surface, or tuple of tuples of Surface
+        Surfaces of particles against each other; in a mixture ``particle_contact[i][j]`` of species i and j.
+    wall_contact : Surface, or tuple of Surface
+        Surfaces of particles against the walls; in a mixture, one for each species.
     enclosure : Cylinder or None
-    gravity : vector [m/s^2]
+        Cavity; None: no walls.
+    gravity : tuple of 3 floats
+        [m/s^2].
     drive : Drive or None
         Motion prescribed to the enclosure.
     mount : Mount or None
-        Instead of a drive: the structure that it is fixed to, and that answers the particles.
+        Instead of a drive: the structure that the enclosure is fixed to, and that answers the particles.
+
+    Raises
+    ------
+    ValueError
+        If there is a drive and a mount, or the surfaces of a mixture are not one for each pair, the same both ways.
+
+    Examples
+    --------
+    >>> from warpdamp import Cylinder, Drive, Material, Scene, Surface
+    >>> pmma, surface = Material(920, 3.3e9, 0.37), Surface(0.52, 0.86)
+    >>> scene = Scene(pmma, pmma, surface, surface, Cylinder(0.04, 0.04), drive=Drive(46.0, 6 * 9.81))
+    >>> scene.excitation_frequency
+    46.0
+    >>> round(1e3 * float(scene.mass(3.73e-3)), 4)  # one particle of radius 3.73 mm [g]
+    0.2
     """
 
     particle: Material | tuple[Material, ...]
@@ -238,70 +336,95 @@ class Scene:
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """Of the particles, by species."""
+        """Materials of the particles, one for each species."""
         return (self.particle,) if isinstance(self.particle, Material) else self.particle
 
     def pair_surface(self, i: int, j: int) -> Surface:
-        """How particles of species i and j meet."""
+        """Surface of particles of species i against those of species j."""
         return self.particle_contact if isinstance(self.particle_contact, Surface) else self.particle_contact[i][j]
 
     def wall_surface(self, i: int) -> Surface:
-        """How particles of species i meet the walls."""
+        """Surface of particles of species i against the walls."""
         return self.wall_contact if isinstance(self.wall_contact, Surface) else self.wall_contact[i]
 
     def surfaces(self) -> list[Surface]:
-        """All that may meet."""
+        """Surfaces of every pair of species and, in an enclosure, of every species with the walls."""
         species = range(len(self.materials))
         pairs = [self.pair_surface(i, j) for i in species for j in species if i <= j]
         return pairs + ([self.wall_surface(i) for i in species] if self.enclosure else [])
 
     def driven(self, drive: Drive | None) -> Scene:
-        """The same scene under another drive, fixed to nothing."""
+        """Scene with ``drive`` in place of its own drive or mount."""
         return replace(self, drive=drive, mount=None)
 
     def mounted(self, mount: Mount) -> Scene:
-        """The same scene fixed to a structure."""
+        """Scene with ``mount`` in place of its own drive or mount."""
         return replace(self, drive=None, mount=mount)
+
+    def softened(self, factor: float) -> Scene:
+        """The same scene with every Young's modulus multiplied by ``factor``."""
+        if factor == 1:
+            return self
+
+        def soft(material: Material) -> Material:
+            return replace(material, youngs_modulus=factor * material.youngs_modulus)
+
+        one = isinstance(self.particle, Material)
+        particle = soft(self.particle) if one else tuple(soft(material) for material in self.particle)
+        return replace(self, particle=particle, wall=soft(self.wall))
 
     @property
     def excitation_frequency(self) -> float | None:
-        """Of the drive, or of what moves the structure [Hz]; None where nothing is periodic."""
+        """Frequency of the drive, or of what moves the structure [Hz]; None if nothing is periodic."""
         if self.drive:
             return self.drive.frequency
         return self.mount.excitation.frequency if self.mount and self.mount.excitation else None
 
     def mass(self, radius, species=0) -> np.ndarray:
-        """Of spheres of the given radii and species [kg]."""
+        """Mass of spheres of the given radii and species [kg].
+
+        Parameters
+        ----------
+        radius : (...) array
+            [m].
+        species : (...) array of ints
+            Position of each sphere's material in ``materials``.
+
+        Returns
+        -------
+        (...) array
+            [kg].
+        """
         density = np.array([material.density for material in self.materials])[np.asarray(species)]
         return density * sphere_volume(radius)
 
     def masses(self, grains) -> np.ndarray:
-        """Of particles with ``radius`` and ``species``, as a State [kg]."""
+        """Mass of each particle of ``grains``, anything with ``radius`` and ``species`` such as a State, (n,) [kg]."""
         return self.mass(grains.radius, grains.species)
 
 
 def sphere_volume(radius):
-    """Volume of spheres [m^3]."""
+    """Volume of spheres of radius [m], (...) [m^3]."""
     return 4 / 3 * math.pi * np.asarray(radius) ** 3
 
 
 def inverse_sphere_inertia(mass, radius):
-    """One over the moment of inertia of solid spheres about their centres, 5 / (2 m R^2) [1/(kg m^2)]."""
+    """Inverse of the moment of inertia of solid spheres about their centres, 5 / (2 m R^2) [1/(kg m^2)]."""
     return 2.5 / (mass * radius**2)
 
 
 @dataclass(frozen=True, eq=False)
 class ContactHistory:
-    """What contacts remember of the step before, an element for each contact; see ``warpdamp.kernels.contact``.
+    """Contact history: what contacts keep from one step to the next, an element each; see ``warpdamp.kernels.contact``.
 
     Parameters
     ----------
-    stretch : (..., 3) array [m]
-        Of the tangential springs.
-    radius : (...) array [m]
-        Contact radius; 0: there was no contact.
-    roll : (..., 3) array [m]
-        Stretch of the springs of rolling resistance.
+    stretch : (..., 3) array
+        Stretch of the tangential springs [m].
+    radius : (...) array
+        Contact radius [m]; 0: there was no contact.
+    roll : (..., 3) array
+        Stretch of the springs of rolling resistance [m].
     """
 
     stretch: np.ndarray
@@ -310,18 +433,18 @@ class ContactHistory:
 
     @classmethod
     def none(cls, *shape: int) -> ContactHistory:
-        """Of contacts that there were not."""
+        """History of contacts that did not exist before, of the given shape."""
         return cls(np.zeros((*shape, 3)), np.zeros(shape), np.zeros((*shape, 3)))
 
     def __len__(self) -> int:
         return len(self.radius)
 
     def __getitem__(self, which) -> ContactHistory:
-        """Of some contacts."""
+        """History of the contacts selected by ``which``."""
         return ContactHistory(self.stretch[which], self.radius[which], self.roll[which])
 
     def seen_from_the_other(self, where: np.ndarray) -> ContactHistory:
-        """With i and j exchanged ``where`` (...) that is true: stretches change their sign."""
+        """History with particles i and j exchanged where ``where`` (...) is true: stretches change their sign."""
         sign = np.where(where, -1.0, 1.0)[..., None]
         return ContactHistory(sign * self.stretch, self.radius, sign * self.roll)
 

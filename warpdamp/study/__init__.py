@@ -1,1 +1,1 @@
-"""The order of the work, from a configuration to a Dataset."""
+"""Studies, from a configuration to a Dataset."""

@@ -1,4 +1,4 @@
-"""What accuracy costs: one scene, or a few points of a sweep, along each numerical choice.
+"""Accuracy study: error and cost of each numerical choice, at one scene or a few points of a sweep.
 
 Every variation of a choice runs from the same beds for the same number of cycles, and its per-cycle energies are kept;
 errors, costs, budget and cheapest settings are all read off those series.  The reference of a point is its finest step
@@ -22,7 +22,7 @@ from ..engine.batch import SKIN, Batch, Case
 from ..engine.ledger import maximum_energy
 from ..numerics.timestep import steps_per_cycle
 from ..scene.particles import State
-from ..scene.scene import STANDARD_GRAVITY, Material, Scene
+from ..scene.scene import STANDARD_GRAVITY
 from ..sweep.cases import Cases
 
 if TYPE_CHECKING:
@@ -51,46 +51,33 @@ USUAL = {
 
 @dataclass(frozen=True)
 class Variation:
-    """One way to simulate a point: a choice, and what was chosen."""
+    """Variation of one numerical choice from what is usual."""
 
     choice: str
     value: Any
 
     @property
     def label(self) -> str:
-        """As ``steps_per_contact=16``."""
+        """Label of the variation, as ``steps_per_contact=16``."""
         return f"{self.choice}={self.value:g}" if isinstance(self.value, float) else f"{self.choice}={self.value}"
 
     @property
     def settings(self) -> dict:
-        """All numerical choices."""
+        """Numerical choices of the variation, all by name."""
         return USUAL | {self.choice: self.value}
 
     def of(self, spec: Spec) -> Spec:
-        """The case that it makes of a case."""
+        """Case with the variation applied."""
         settings = self.settings
         numerics = replace(spec.bed.numerics, precision=settings["precision"])
-        scene = softened(spec.scene, settings["stiffness"])
+        scene = spec.scene.softened(settings["stiffness"])
         steps = steps_per_cycle(scene, spec.bed.grains, steps_per_contact=settings["steps_per_contact"])
         bed = replace(spec.bed, preparation=settings["preparation"])
         return replace(spec, scene=scene, steps_per_cycle=steps, bed=replace(bed, numerics=numerics))
 
 
-def softened(scene: Scene, factor: float) -> Scene:
-    """The same with every Young's modulus multiplied by ``factor``."""
-    if factor == 1:
-        return scene
-
-    def soft(material: Material) -> Material:
-        return replace(material, youngs_modulus=factor * material.youngs_modulus)
-
-    particle = scene.particle
-    softer = soft(particle) if isinstance(particle, Material) else tuple(soft(material) for material in particle)
-    return replace(scene, particle=softer, wall=soft(scene.wall))
-
-
 def variations() -> list[Variation]:
-    """All that take runs of their own."""
+    """Variations that need runs of their own."""
     return [Variation(choice, value) for choice, values in CHOICES.items() for value in values]
 
 
@@ -135,7 +122,7 @@ def study(
     specs : cases; those of equal frequency and Gamma, of several seeds, are one point
     cycles : how many a case runs
     executor : where they run
-    report : told the part that is done
+    report : called with the part that is done, 0 to 1
 
     Returns
     -------
@@ -148,7 +135,7 @@ def study(
     specs = list(specs)
     points = sorted({(spec.scene.drive.frequency, spec.scene.drive.acceleration) for spec in specs})
     seeds = sorted({spec.bed.seed for spec in specs})
-    every = variations()
+    ways = variations()
     beds: dict[str, Request] = {}
     for spec in specs:
         for how in ("loose", "compacted"):
@@ -158,20 +145,20 @@ def study(
         future.result()
 
     longest = max(cycles(spec) for spec in specs)
-    shape = (len(points), len(every), len(seeds))
+    shape = (len(points), len(ways), len(seeds))
     values = np.full((*shape, longest), np.nan, np.float32)
     numbers = {name: np.full(shape, np.nan) for name in ("residual", "cost_per_cycle", "steps_per_cycle")}
     pending = {}
     for spec in sorted(specs, key=lambda s: -cycles(s) * s.steps_per_cycle):
         drive = spec.scene.drive
-        for k, variation in enumerate(every):
+        for k, variation in enumerate(ways):
             at = (points.index((drive.frequency, drive.acceleration)), k, seeds.index(spec.bed.seed))
             pending[executor.submit(series, spec, variation, cycles(spec))] = at
     for done, future in enumerate(as_completed(pending), 1):
-        found, at = future.result(), pending[future]
-        values[at][: len(found["effectiveness"])] = found["effectiveness"]
+        result, at = future.result(), pending[future]
+        values[at][: len(result["effectiveness"])] = result["effectiveness"]
         for name, array in numbers.items():
-            array[at] = found[name]
+            array[at] = result[name]
         report(done / len(pending))
     dims = ("point", "variation", "seed")
     return xr.Dataset(
@@ -179,7 +166,7 @@ def study(
         {
             "frequency": ("point", [f for f, _ in points]),
             "gamma": ("point", [a / STANDARD_GRAVITY for _, a in points]),
-            "variation": [variation.label for variation in every],
+            "variation": [variation.label for variation in ways],
             "seed": seeds,
         },
     )

@@ -1,4 +1,4 @@
-"""What a particle-step costs on this machine, by effects: measured, kept on disk, and read by ``explain``."""
+"""Cost of a particle-step on this machine, by effects: measured, stored on disk, and read by ``explain``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..scene.paper import COUNT, FREQUENCY, RADIUS, STEPS_PER_CYCLE, damper
 from ..scene.particles import Grains, State
 from ..scene.scene import Scene
 from ..sweep.cases import Cases
-from ..sweep.plan import plan
+from ..sweep.plan import make_plan
 from ..version import PHYSICS_VERSION
 
 STILL = 1e-18
@@ -31,19 +31,19 @@ TOGGLES: dict[str, dict] = {
     for name in EFFECTS
     if name != "structure"  # the beds that are timed are fixed to nothing
 } | {"precision": {"precision": "float32"}}
-"""What the effects become when one of them is off (precision: float32 instead of float64)."""
+"""Changes to the effects when one of them is off (precision: float32 instead of float64)."""
 
 SIMPLEST = Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False, indicators=False)
 """The simplest law in a closed cavity: frictionless, elastic, no gravity, losses in total, nothing else recorded."""
 
 
 def without(effects: Effects, name: str) -> Effects:
-    """The same with one effect off."""
+    """Effects with one of them off."""
     return replace(effects, **TOGGLES[name])
 
 
 def within(effects: Effects, name: str) -> Effects:
-    """The same with one effect on."""
+    """Effects with one of them on."""
     return replace(effects, **dict.fromkeys(TOGGLES[name], True))
 
 
@@ -56,30 +56,30 @@ def jammed_bed() -> tuple[Scene, State]:
     return scene, batch.read()[0][0]
 
 
-def frozen(every: list[Effects], *, bed=None, rounds: int = 9, steps: int = 4000) -> dict[Effects, list[float]]:
-    """Nanoseconds of processor time per particle-step on one frozen set of contacts, the effects in turn."""
+def frozen(sets: list[Effects], *, bed=None, rounds: int = 9, steps: int = 4000) -> dict[Effects, list[float]]:
+    """Processor time per particle-step [ns] on one frozen set of contacts, by effects, measured in turn."""
     scene, state = bed or jammed_bed()
-    batches = [Batch([Case(scene.driven(None), state, STILL)], effects=effects) for effects in every]
-    return _alternating(every, batches, rounds, steps)
+    batches = [Batch([Case(scene.driven(None), state, STILL)], effects=effects) for effects in sets]
+    return _alternating(sets, batches, rounds, steps)
 
 
-def moving(every: list[Effects], *, rounds: int = 9) -> dict[Effects, list[float]]:
-    """The same in the paper's scene at Gamma 6, a cycle a round; each set of effects moves its bed its own way."""
+def moving(sets: list[Effects], *, rounds: int = 9) -> dict[Effects, list[float]]:
+    """Processor time per particle-step [ns] in the paper's scene at Gamma 6, by effects, a cycle a round."""
     scene = damper()
     loose = prepare(Request(scene, Grains.alike(RADIUS, COUNT), 1, "loose")).state
     case = Case(scene, loose, 1 / FREQUENCY / STEPS_PER_CYCLE)
-    batches = [Batch([case], max_rows=rounds + 4, effects=effects) for effects in every]
+    batches = [Batch([case], max_rows=rounds + 4, effects=effects) for effects in sets]
     for batch in batches:
         batch.advance(STEPS_PER_CYCLE)
-    return _alternating(every, batches, rounds, STEPS_PER_CYCLE)
+    return _alternating(sets, batches, rounds, STEPS_PER_CYCLE)
 
 
-def _alternating(every, batches, rounds: int, steps: int) -> dict[Effects, list[float]]:
+def _alternating(sets, batches, rounds: int, steps: int) -> dict[Effects, list[float]]:
     for batch in batches:
         batch.advance(batch.steps + 2)  # compiles
-    spent: dict[Effects, list[float]] = {effects: [] for effects in every}
+    spent: dict[Effects, list[float]] = {effects: [] for effects in sets}
     for _ in range(rounds):
-        for effects, batch in zip(every, batches, strict=True):
+        for effects, batch in zip(sets, batches, strict=True):
             started = time.process_time()
             batch.advance(batch.steps + steps)
             spent[effects].append((time.process_time() - started) / steps / COUNT * 1e9)
@@ -95,24 +95,24 @@ def _machine() -> str:
 
 
 def remember(measured: Callable, spent: dict[Effects, list[float]]) -> None:
-    """Keep the medians of what was ``measured``, ``frozen`` or ``moving``, for ``explain``."""
-    kept = _kept() | {_key(measured, effects): statistics.median(times) for effects, times in spent.items()}
+    """Store the medians of what was ``measured``, ``frozen`` or ``moving``, for ``explain``."""
+    times_by_key = _stored() | {_key(measured, effects): statistics.median(times) for effects, times in spent.items()}
     path = _file()
-    told = {"machine": _machine(), "date": f"{time.strftime('%Y-%m-%d')}", "nanoseconds": kept}
+    record = {"machine": _machine(), "date": f"{time.strftime('%Y-%m-%d')}", "nanoseconds": times_by_key}
     with whole_file(path) as part:
-        part.write_text(json.dumps(told))
+        part.write_text(json.dumps(record))
 
 
 def recall(measured: Callable, effects: Effects) -> float | None:
-    """Nanoseconds per particle-step as last ``measured`` on this machine; None if never."""
-    return _kept().get(_key(measured, effects))
+    """Time per particle-step as last ``measured`` on this machine [ns]; None if never."""
+    return _stored().get(_key(measured, effects))
 
 
 def _key(measured: Callable, effects: Effects) -> str:
     return " ".join([measured.__name__, *(f"{name}={value}" for name, value in asdict(effects).items())])
 
 
-def _kept() -> dict[str, float]:
+def _stored() -> dict[str, float]:
     try:
         stored = json.loads(_file().read_text())
     except (FileNotFoundError, json.JSONDecodeError):
@@ -122,6 +122,6 @@ def _kept() -> dict[str, float]:
 
 def measure_study(config) -> None:
     """Measure what the cases of a study cost, and what each of their effects does."""
-    own = {effects for effects, _ in plan(Cases(config)).groups}
+    own = {effects for effects, _ in make_plan(Cases(config)).groups}
     remember(moving, moving(list(own)))
     remember(frozen, frozen(list(own | {without(effects, name) for effects in own for name in TOGGLES})))

@@ -1,4 +1,4 @@
-"""The cases of a study as one Dataset, and the modal damping they give."""
+"""Dataset of a study's cases, and the modal damping they give."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ MODAL = {
     "modal_mass": "modal_mass",
     "inherent_damping": "inherent_damping",
 }
-"""Variables of the results, and what of ``Modes`` they hold."""
+"""Variables of the results, and the attributes of ``Modes`` that they hold."""
 
 
 def assemble(plan: Plan, finished: Finished) -> xr.Dataset:
-    """Put finished cases where they belong; those that are missing are NaN, and ``status`` says so.
+    """Dataset of finished cases; those that are missing are NaN, as ``status`` says.
 
     Scalars that change together share the dimension ``case`` and are its coordinates; every other swept scalar has a
     dimension of its own, beside frequency, gamma and seed.
@@ -69,38 +69,38 @@ def assemble(plan: Plan, finished: Finished) -> xr.Dataset:
     dataset.attrs = {"title": config.title, **provenance(), "configuration": resolved_yaml(config)}
     if SEED not in cases.carried:
         dataset.attrs["seeds"] = np.array(config.seeds)
-    dataset.attrs |= plan.said
+    dataset.attrs |= plan.attributes
     return dataset
 
 
 def _table(plan: Plan, finished: Finished) -> dict[str, np.ndarray]:
     """Values of every case, by name, in the order of the plan."""
-    at, found = finished.rows(plan.keys), np.zeros(len(plan.keys), bool)
-    found[needed_cases(plan, finished)] = True
-    found &= at >= 0
+    rows, present = finished.rows(plan.keys), np.zeros(len(plan.keys), bool)
+    present[needed_cases(plan, finished)] = True
+    present &= rows >= 0
     table = {}
     for name, values in finished.values.items():
         whole = name in INTEGERS
         table[name] = np.full(len(plan.keys), -1 if whole else np.nan, np.int64 if whole else float)
-        table[name][found] = values[at[found]]
+        table[name][present] = values[rows[present]]
     status = table.setdefault("status", np.full(len(plan.keys), int(Status.NOT_RUN)))
-    status[~found] = Status.NOT_RUN
+    status[~present] = Status.NOT_RUN
     status[plan.fate == Fate.EXCLUDED] = Status.EXCLUDED
     status[plan.fate == Fate.REFUSED] = Status.REFUSED
     messages = np.full(len(plan.keys), "", object)
-    messages[found] = finished.messages[at[found]]
+    messages[present] = finished.messages[rows[present]]
     by_point = messages.reshape(plan.cases.shape)
     for index, why in plan.refused.items():
         by_point[(slice(None), slice(None), *index)] = why
-    return table | ({"message": messages} if (messages != "").any() else {})
+    return table | {"message": messages}
 
 
 def _coordinates(cases: Cases) -> dict:
-    """Of every dimension, and of what changes along ``case``."""
+    """Coordinates of every dimension, and of what changes along ``case``."""
     config, names = cases.config, cases.names()
     coords: dict = {}
-    own = {FREQUENCY: _frequencies(cases), GAMMA: cases.gammas, SEED: cases.seeds}
-    for path, values in own.items():
+    excitation = {FREQUENCY: _frequencies(cases), GAMMA: cases.gammas, SEED: cases.seeds}
+    for path, values in excitation.items():
         if path not in cases.carried:
             coords[OWN[path]] = (OWN[path], np.array(values), attributes(path))
     for axis in cases.axes:
@@ -147,11 +147,11 @@ def _modal(cases: Cases, dataset: xr.Dataset) -> xr.Dataset:
     for point in cases.points():
         if point.refused:
             continue
-        own = point.modes
+        modes = point.modes
         for name, attribute in MODAL.items():
-            table[name][(slice(None), *point.index)] = getattr(own, attribute)
+            table[name][(slice(None), *point.index)] = getattr(modes, attribute)
     family = "bending mode" if cases.config.structure.beam else "mode"
-    coords = {"mode": ("mode", own.number, {"units": "1", "long_name": family})}
+    coords = {"mode": ("mode", modes.number, {"units": "1", "long_name": family})}
     modal = xr.Dataset({name: (dims, values) for name, values in table.items()}, coords)
 
     def to_mode(array):
@@ -166,7 +166,7 @@ def _modal(cases: Cases, dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _with_seeds_that_ran(dataset: xr.Dataset, config: Config) -> xr.Dataset:
-    """Without the packings that the tolerance did not call for at any point."""
+    """Dataset without the packings that the tolerance required at no point."""
     ran = dataset["status"] != NOT_RUN
     if config.accuracy is None or "seed" not in dataset.dims or not ran.any():
         return dataset
@@ -174,7 +174,7 @@ def _with_seeds_that_ran(dataset: xr.Dataset, config: Config) -> xr.Dataset:
 
 
 def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
-    """Mean over the packings of every point, what it is worth, and whether that is what was asked for."""
+    """Mean over the packings of every point, its uncertainty, and whether that is within the tolerance."""
     import xarray as xr
 
     def over_packings(name):
@@ -184,7 +184,7 @@ def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
     status = over_packings("status")
     ran = ~np.isin(status, (Status.NOT_RUN, Status.EXCLUDED, Status.REFUSED))
     answer = combined(*(over_packings(name) for name in PARTS), ran)
-    found = {
+    variables = {
         "energy_mean": answer.mean,
         "energy_mean_standard_error": answer.total_error,
         "energy_mean_interval": answer.interval,
@@ -194,6 +194,6 @@ def answers(dataset: xr.Dataset, tolerance: float | None) -> xr.Dataset:
         largest = np.max(np.where(ran, over_packings("maximum_energy"), 0.0), axis=-1)
         limit = allowed(tolerance, answer.mean, largest)
         within = (answer.total_error <= limit).astype(np.int64)
-        found["within_tolerance"] = np.where(answer.packings > 0, within, NOT_RUN)
+        variables["within_tolerance"] = np.where(answer.packings > 0, within, NOT_RUN)
     dims = [dim for dim in dataset["status"].dims if dim != "seed"]
-    return xr.Dataset({name: (dims, values) for name, values in found.items()})
+    return xr.Dataset({name: (dims, values) for name, values in variables.items()})

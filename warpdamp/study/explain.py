@@ -1,4 +1,4 @@
-"""What a study will simulate, why, and what it will take: told before anything runs."""
+"""Explanation of a study before it runs: what is simulated, why, and what it takes."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from ..numerics.timestep import expected_speed, shortest_contact
 from ..scene.effects import EFFECTS, Effects, called_for
 from ..scene.scene import STANDARD_GRAVITY
 from ..sweep.cases import Cases
-from ..sweep.plan import Fate, plan
-from ..sweep.resolve import applied, settled
+from ..sweep.plan import Fate, make_plan
+from ..sweep.resolve import self_contained, with_tolerance
 from .several import studies
 
 if TYPE_CHECKING:
@@ -30,20 +30,20 @@ NOT_MODELLED = (
     "the structure's answer to the damper (the enclosure's motion is prescribed)",
     "air, cohesion, liquid bridges, electrostatic charge",
     "wear, breakage, plastic flow and heating of the particles",
-    "particles that are no spheres; friction against spinning about the normal",
+    "particles other than spheres; friction against spinning about the normal",
     "flexibility of the enclosure's walls",
 )
 
 LISTED_PAIRS = 8
-"""To a particle: three or four near it, and as many while a list is made beside the old one."""
+"""Listed pairs to a particle: three or four near it, and as many while a list is plan beside the old one."""
 
 PROCESS_MEMORY = 0.3e9
-"""Of a worker process before any case, bytes: 236 to 251 MB were measured, rounded up."""
+"""Memory of a worker process before any case [bytes]: 236 to 251 MB were measured, rounded up."""
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """An effect: whether it is simulated, the line that calls for it, and what it costs.
+    """Explanation of an effect: whether it is simulated, the line that requires it, and its cost.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Explanation:
 
 
 def effects_of(config: Config, spec: Spec) -> list[Explanation]:
-    """Every effect of a case."""
+    """Explanations of all effects of a case."""
     from .cost import TOGGLES, frozen, recall, without
 
     effects = spec.effects
@@ -121,20 +121,20 @@ def explain(config: Config, *, workers: int | None = None) -> str:
         heads = [_damper(k, modes) for k, modes in enumerate(seen, 1)]
         plans = [explain(study, workers=workers) for study in own]
         return "\n\n".join([config.title, *(text for pair in zip(heads, plans, strict=True) for text in pair)])
-    config = applied(settled(config))
-    made = plan(Cases(config))
-    numbers = made.to_run()
+    config = with_tolerance(self_contained(config))
+    plan = make_plan(Cases(config))
+    numbers = plan.to_run()
     sets: dict[Effects, list[int]] = {}
-    for group, (effects, _) in enumerate(made.groups):
-        sets.setdefault(effects, []).extend(numbers[made.group[numbers] == group])
+    for group, (effects, _) in enumerate(plan.groups):
+        sets.setdefault(effects, []).extend(numbers[plan.group[numbers] == group])
     blocks = [config.title]
-    for k, (effects, own) in enumerate(sets.items(), 1):
-        spec, _ = made.cases.spec(int(own[0]))
-        heading = "Effects" if len(sets) == 1 else f"Effects, set {k} of {len(sets)} ({len(own)} cases)"
+    for k, (effects, members) in enumerate(sets.items(), 1):
+        spec, _ = plan.cases.spec(int(members[0]))
+        heading = "Effects" if len(sets) == 1 else f"Effects, set {k} of {len(sets)} ({len(members)} cases)"
         blocks.append("\n".join([heading, *_effects_table(config, spec), _precision(effects)]))
-    blocks.append("\n".join(["Step", *_steps(made, numbers)]))
-    blocks.append("\n".join(["Cases", *_cases(made, numbers)]))
-    blocks.append("\n".join(["Time and memory", *_price(made, numbers, workers or os.cpu_count())]))
+    blocks.append("\n".join(["Step", *_steps(plan, numbers)]))
+    blocks.append("\n".join(["Cases", *_cases(plan, numbers)]))
+    blocks.append("\n".join(["Time and memory", *_price(plan, numbers, workers or os.cpu_count())]))
     blocks.append("\n".join(["Not modelled", *(f"  {item}" for item in NOT_MODELLED)]))
     return "\n\n".join(blocks)
 
@@ -157,10 +157,10 @@ def _precision(effects: Effects) -> str:
     return f"  motion in {effects.precision}, energies in float64"
 
 
-def _steps(made: Plan, numbers):
-    dt = made.dt[numbers]
+def _steps(plan: Plan, numbers):
+    dt = plan.dt[numbers]
     for number in dict.fromkeys((int(numbers[dt.argmin()]), int(numbers[dt.argmax()]))):
-        spec, _ = made.cases.spec(number)
+        spec, _ = plan.cases.spec(number)
         drive = spec.scene.drive
         speed = expected_speed(spec.scene, spec.bed.grains.radius)
         contact = shortest_contact(spec.scene, spec.bed.grains, speed)
@@ -171,35 +171,38 @@ def _steps(made: Plan, numbers):
         )
 
 
-def _cases(made: Plan, numbers):
-    cases = made.cases
+def _cases(plan: Plan, numbers):
+    cases = plan.cases
     amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
     preparation = f"{cases.config.preparation} " if "preparation" not in cases.names().values() else ""
-    yield f"  {len(numbers)} cases{amplitudes}; {len(made.beds)} {preparation}beds"
+    yield f"  {len(numbers)} cases{amplitudes}; {len(plan.beds)} {preparation}beds"
     if cases.config.accuracy is not None:
-        first = len(needed_cases(made, Finished()))
+        first = len(needed_cases(plan, Finished()))
         yield f"  of these {first} at first, and more packings of a point until it is within the tolerance"
     if cases.config.sweep:
         lengths = " x ".join(f"{n} {name}" for name, n in zip(cases.dims, cases.shape, strict=True) if n > 1)
         left_out = [
-            f"{np.sum(made.fate == fate)} {name}"
-            for fate, name in ((Fate.EXCLUDED, "excluded"), (Fate.REFUSED, "that cannot be"))
-            if np.any(made.fate == fate)
+            f"{np.sum(plan.fate == fate)} {name}"
+            for fate, name in ((Fate.EXCLUDED, "excluded"), (Fate.REFUSED, "impossible"))
+            if np.any(plan.fate == fate)
         ]
         yield f"  {lengths or '1'}{''.join(f', without {text}' for text in left_out)}"
-    low, high = made.particles[numbers].min(), made.particles[numbers].max()
+    low, high = plan.particles[numbers].min(), plan.particles[numbers].max()
     yield f"  {low} particles each" if low == high else f"  {low} to {high} particles"
+    modes = next(cases.points()).modes
+    if modes is not None and modes.remark:
+        yield f"  {modes.remark}"
 
 
-def _price(made: Plan, numbers, workers):
+def _price(plan: Plan, numbers, workers):
     from .cost import moving, recall
 
-    cost, group = made.cost[numbers], made.group[numbers]
-    first = np.isin(numbers, needed_cases(made, Finished()))
-    longer = np.array([criteria.most / criteria.fewest for _, criteria in made.groups])
+    cost, group = plan.cost[numbers], plan.group[numbers]
+    first = np.isin(numbers, needed_cases(plan, Finished()))
+    longer = np.array([criteria.most / criteria.fewest for _, criteria in plan.groups])
     least, most = cost[first].sum(), (cost * longer[group]).sum()
     yield f"  at least {least:.3g} particle-steps, at most {most:.3g} if no case becomes steady; beds are extra"
-    rates = [recall(moving, effects) for effects, _ in made.groups]
+    rates = [recall(moving, effects) for effects, _ in plan.groups]
     if None in rates:
         yield "  this machine's speed is not measured yet: warpdamp explain --measure takes about a minute"
     else:
@@ -208,15 +211,15 @@ def _price(made: Plan, numbers, workers):
             f"  {np.mean(rates):.0f} ns per particle-step on this machine: at least {_duration(spent / workers)} on "
             f"{workers} cores, at most {_duration(spent / workers * most / least)}"
         )
-    largest = int(made.particles[numbers].max())
-    effects, criteria = made.groups[0]
+    largest = int(plan.particles[numbers].max())
+    effects, criteria = plan.groups[0]
     case = case_bytes(effects, largest, criteria.most + 1)
     batch = max(1, min(MOST_CASES, BATCH_COST / cost.mean()))
     yield f"  about {(PROCESS_MEMORY + batch * case) / 1e6:.0f} MB for each of {workers} processes"
 
 
 def case_bytes(effects: Effects, particles: int, rows: int) -> float:
-    """Memory on the device that a case takes, with so many ledger rows [bytes]."""
+    """Memory of a case on the device, with ``rows`` ledger rows [bytes]."""
     from ..engine.arrays import particle_bytes
     from ..kernels.structs import types
 

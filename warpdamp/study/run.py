@@ -1,4 +1,4 @@
-"""The order of the work: configuration -> cases -> beds -> batches -> store -> Dataset."""
+"""Run of a study: configuration -> cases -> beds -> batches -> store -> Dataset."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ..status import FIRST_UNFINISHED, Status
 from ..sweep.cases import Cases
 from ..sweep.load import load, load_plan
 from ..sweep.plan import Plan, load_or_make_plan, save_plan
-from ..sweep.resolve import applied, settled, shortened
+from ..sweep.resolve import self_contained, shortened, with_tolerance
 from .dataset import assemble
 from .several import combined, studies
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 Report = Callable[[str, float], None]
-"""Told the stage and the part of it that is done, 0 to 1."""
+"""Called with the stage and the part of it that is done, 0 to 1."""
 
 
 def run(
@@ -48,20 +48,26 @@ def run(
 
     Parameters
     ----------
-    config : Config or path of a YAML file
-    store : folder in which every case is kept as soon as its batch is done, and from which a study that was
-        interrupted, or enlarged, goes on (default: none is kept)
-    executor : "processes", "in-process", "dask" (a cluster started here), the address of a Dask scheduler, or an
-        ``concurrent.futures.Executor``
-    workers : how many (default: the cores of this machine)
-    quick : run ``shortened(config)``
-    limit : seconds after which a batch is taken for hanging (default: far above what it may take)
-    report : called as ``report(stage, part_done)``
+    config : Config, str or Path
+        Configuration, or its YAML file.
+    store : str or Path, optional
+        Folder in which every case is stored as soon as its batch is done, and from which a study that was interrupted,
+        or enlarged, continues (default: nothing is stored).
+    executor : str or concurrent.futures.Executor
+        "processes", "in-process", "dask" (a cluster started here), the address of a Dask scheduler, or an Executor.
+    workers : int, optional
+        Number of workers (default: the cores of this machine).
+    quick : bool
+        Run ``shortened(config)``, a first look.
+    limit : float, optional
+        Seconds after which a batch counts as hanging (default: far above what it may take).
+    report : callable
+        Called as ``report(stage, part_done)``, ``part_done`` from 0 to 1.
 
     Returns
     -------
     xarray.Dataset
-        See ``warpdamp.results.VARIABLES`` for its variables.
+        See ``warpdamp.variables.VARIABLES`` for its variables.
 
     Raises
     ------
@@ -70,7 +76,29 @@ def run(
     SimulationError
         If every case failed.
     StoreError
-        If the store cannot be written, or another run is at work in it.
+        If the store cannot be written, or another run is in progress in it.
+    ValueError
+        If there is no such executor, or fewer than one worker.
+
+    Examples
+    --------
+    >>> import warpdamp
+    >>> study = warpdamp.Config(  # or a path, as "configs/beam.yaml"
+    ...     damper={
+    ...         "enclosure": {"diameter": "40 mm", "height": "40 mm", "material": "pmma"},
+    ...         "particles": {"count": 12, "radius": "3.73 mm", "material": "pmma"},
+    ...     },
+    ...     materials={"pmma": {"density": "920 kg/m^3", "youngs_modulus": "3.3 GPa", "poissons_ratio": 0.37}},
+    ...     contact={"restitution": 0.52, "friction": 0.86},
+    ...     excitation={"frequency": "46 Hz", "gamma": [4, 8]},
+    ...     preparation="loose",
+    ...     steady_state={"fewest_cycles": 8, "most_cycles": 8},
+    ... )
+    >>> results = warpdamp.run(study, executor="in-process")
+    >>> dict(results.sizes)
+    {'frequency': 1, 'gamma': 2, 'seed': 1}
+    >>> bool((results["ledger_residual"] < 0.02).all())
+    True
     """
     if not isinstance(config, Config):
         config = load(config)
@@ -79,8 +107,8 @@ def run(
         return _run_several(shortened(config) if quick else config, store, options)
     with TemporaryDirectory(prefix="warpdamp-") as scratch:
         folder = Path(store or scratch)
-        made = carry_out(config, folder, quick=quick, **options)
-        return _collected(made, Store(folder))
+        plan = carry_out(config, folder, quick=quick, **options)
+        return _collected(plan, Store(folder))
 
 
 def _run_several(config: Config, store: str | Path | None, options: dict) -> xr.Dataset:
@@ -110,7 +138,28 @@ def carry_out(
 
     Parameters
     ----------
-    part : (k, n) for the k-th of n parts, which may run side by side; together they are the whole
+    config : Config, str or Path
+        Configuration, or its YAML file.
+    store : str or Path
+        Folder of the finished cases; made if it does not exist.
+    part : (int, int), optional
+        (k, n) for the k-th of n parts, which may run at the same time; together they are the whole.
+    executor, workers, quick, limit, report
+        See ``run``.
+
+    Returns
+    -------
+    Plan
+        All cases of the study, those of other parts among them.
+
+    Raises
+    ------
+    ConfigError
+        If the configuration cannot be run, or its beds cannot be made.
+    StoreError
+        If the store cannot be written, or another run is in progress in it or in this part.
+    ValueError
+        If there is no such executor, or fewer than one worker.
     """
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be at least 1, got {workers}")
@@ -118,30 +167,30 @@ def carry_out(
         config = load(config)
     if config.dampers:
         raise config.error("dampers", "several dampers are run as a whole: leave --part out")
-    config = applied(settled(shortened(config) if quick else config))
-    kept = Store(store)
-    with kept.lock(part):
+    config = with_tolerance(self_contained(shortened(config) if quick else config))
+    results = Store(store)
+    with results.lock(part):
         report("modes", 0.0)
-        made = load_or_make_plan(Cases(config), kept.folder)
+        plan = load_or_make_plan(Cases(config), results.folder)
         report("modes", 1.0)
-        _refuse_what_does_not_fit(made)
-        save_plan(made, kept.folder)
-        numbers = _left(made, kept, part)
-        with RunLog(kept.folder, len(numbers), part) as run_log:
+        _refuse_what_does_not_fit(plan)
+        save_plan(plan, results.folder)
+        numbers = _left(plan, results, part)
+        with RunLog(results.folder, len(numbers), part) as run_log:
             if len(numbers):
-                with worker_pool(executor, workers) as own:
-                    runner = Runner(made, kept, own, run_log, limit, report)
+                with worker_pool(executor, workers) as pool:
+                    runner = Runner(plan, results, pool, run_log, limit, report)
                     runner.run(numbers)
-                    for further in _further(made, kept, part, numbers):
+                    for further in _further(plan, results, part, numbers):
                         run_log.further(len(further))
                         runner.run(further)
-    return made
+    return plan
 
 
-def _further(made: Plan, kept: Store, part: tuple[int, int] | None, tried: np.ndarray) -> Iterator[np.ndarray]:
-    """Numbers of the cases that the results of those before call for, round by round; each is tried once."""
-    while made.cases.config.accuracy is not None:
-        numbers = np.setdiff1d(_left(made, kept, part), tried)
+def _further(plan: Plan, store: Store, part: tuple[int, int] | None, tried: np.ndarray) -> Iterator[np.ndarray]:
+    """Numbers of the cases that the results so far require, round by round; each is tried once."""
+    while plan.cases.config.accuracy is not None:
+        numbers = np.setdiff1d(_left(plan, store, part), tried)
         if not len(numbers):
             return
         tried = np.union1d(tried, numbers)
@@ -149,77 +198,87 @@ def _further(made: Plan, kept: Store, part: tuple[int, int] | None, tried: np.nd
 
 
 def collect(store: str | Path) -> xr.Dataset:
-    """What is done of the study in a store, at any moment, as one Dataset.
+    """Dataset of what is done of the study in a store, at any moment.
+
+    Parameters
+    ----------
+    store : str or Path
+        Folder that ``run`` or ``carry_out`` was given, or one above it.
+
+    Returns
+    -------
+    xarray.Dataset
+        See ``warpdamp.variables.VARIABLES`` for its variables; cases not yet run have the ``status`` NOT_RUN.
 
     Raises
     ------
     StoreError
         If there is no study in the folder.
     """
-    kept = Store.existing(store)
-    return _with_accessor(assemble(load_plan(kept.folder), kept.read()))
+    results = Store.existing(store)
+    return _with_accessor(assemble(load_plan(results.folder), results.read()))
 
 
-def _collected(made: Plan, kept: Store) -> xr.Dataset:
-    """All that is done, if anything is.
+def _collected(plan: Plan, store: Store) -> xr.Dataset:
+    """Dataset of what is done, unless every case failed.
 
     Raises
     ------
     ConfigError, SimulationError
         If every case failed.
     """
-    finished = kept.read()
-    _raise_if_all_failed(made, finished)
-    return _with_accessor(assemble(made, finished))
+    finished = store.read()
+    _raise_if_all_failed(plan, finished)
+    return _with_accessor(assemble(plan, finished))
 
 
 def _with_accessor(dataset: xr.Dataset) -> xr.Dataset:
-    """The Dataset, once ``dataset.damper`` is there."""
+    """Register ``dataset.damper``; returns the Dataset."""
     from .. import accessor  # noqa: F401  it registers itself with xarray, which takes its time to import
 
     return dataset
 
 
-def _raise_if_all_failed(made: Plan, finished: Finished) -> None:
-    """One bad case of a sweep is a value; a study of which nothing is left is an error.
+def _raise_if_all_failed(plan: Plan, finished: Finished) -> None:
+    """Raise if every case failed; a single failed case of a sweep is a value.
 
     Raises
     ------
     SimulationError
     """
-    own = np.isin(finished.keys, made.keys[made.to_run()])
-    status = finished.status[own]
-    energy = finished.values.get("energy_dissipated", np.full(len(finished), np.nan))[own]
-    if not own.any() or np.isfinite(energy).any():
+    in_study = np.isin(finished.keys, plan.keys[plan.to_run()])
+    status = finished.status[in_study]
+    energy = finished.values.get("energy_dissipated", np.full(len(finished), np.nan))[in_study]
+    if not in_study.any() or np.isfinite(energy).any():
         return
     worst = Status(int(status.max()))
-    said = next((message for message in finished.messages[own] if message), worst.meaning)
-    raise SimulationError(f"all {own.sum()} cases failed: {said}")
+    reason = next((message for message in finished.messages[in_study] if message), worst.meaning)
+    raise SimulationError(f"all {in_study.sum()} cases failed: {reason}")
 
 
-def _left(made: Plan, kept: Store, part: tuple[int, int] | None) -> np.ndarray:
-    """Numbers of the cases to run: called for, of this part, and not in the store."""
-    finished = kept.read(NEEDED, repair=True)
-    numbers = needed_cases(made, finished)
+def _left(plan: Plan, store: Store, part: tuple[int, int] | None) -> np.ndarray:
+    """Numbers of the cases to run: needed, of this part, and not in the store."""
+    finished = store.read(NEEDED, repair=True)
+    numbers = needed_cases(plan, finished)
     if part is not None:
         k, n = part
-        owners = made.keys[made.chain[_first_packings(made)[numbers]]]
-        own = np.array([int.from_bytes(bytes(owner)[:7], "big") % n == k - 1 for owner in owners], bool)
-        numbers = numbers[own]
-    return numbers[~np.isin(made.keys[numbers], finished.keys[finished.status < FIRST_UNFINISHED])]
+        owners = plan.keys[plan.chain[_first_packings(plan)[numbers]]]
+        in_part = np.array([int.from_bytes(bytes(owner)[:7], "big") % n == k - 1 for owner in owners], bool)
+        numbers = numbers[in_part]
+    return numbers[~np.isin(plan.keys[numbers], finished.keys[finished.status < FIRST_UNFINISHED])]
 
 
-def _first_packings(made: Plan) -> np.ndarray:
-    """For every case the one by which it is dealt to a part: itself or, with a tolerance, its point's first packing.
+def _first_packings(plan: Plan) -> np.ndarray:
+    """Case by which each is assigned to a part: itself or, with a tolerance, its point's first packing.
 
     Whether a point needs another packing is seen only by who has the others.
     """
-    every = np.arange(len(made.keys))
-    return every if made.cases.config.accuracy is None else every - every % made.cases.shape[-1]
+    numbers = np.arange(len(plan.keys))
+    return numbers if plan.cases.config.accuracy is None else numbers - numbers % plan.cases.shape[-1]
 
 
-def _refuse_what_does_not_fit(made: Plan) -> None:
-    """A single bed that cannot be made is refused before anything long starts; one of several is a failed case.
+def _refuse_what_does_not_fit(plan: Plan) -> None:
+    """Refuse a single bed that cannot be made before anything long starts; one of several is a failed case.
 
     Raises
     ------
@@ -227,11 +286,11 @@ def _refuse_what_does_not_fit(made: Plan) -> None:
     """
     from ..damper.placement import separate
 
-    if math.prod(made.cases.shape[2:-1]) > 1:
+    if math.prod(plan.cases.shape[2:-1]) > 1:
         return
-    for number in made.beds.values():
-        spec, _ = made.cases.spec(number)
+    for number in plan.beds.values():
+        spec, _ = plan.cases.spec(number)
         try:
             separate(spec.bed.grains.radius, spec.scene.enclosure, spec.bed.seed)
         except PackingError as error:
-            raise made.cases.config.error(error.key, str(error)) from None
+            raise plan.cases.config.error(error.key, str(error)) from None

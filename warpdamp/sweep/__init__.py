@@ -1,1 +1,1 @@
-"""Which cases a configuration asks for."""
+"""Cases that a configuration asks for."""

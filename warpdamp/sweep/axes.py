@@ -20,7 +20,7 @@ OWN = {FREQUENCY: "frequency", GAMMA: "gamma", SEED: "seed"}
 """Scalars whose dimensions every gridded Dataset has."""
 
 CASE = "case"
-"""The dimension of scalars that change together."""
+"""Dimension of scalars that change together."""
 
 _LONG_NAMES = {
     "youngs_modulus": "Young's modulus",
@@ -56,11 +56,11 @@ class Axis:
 
     @property
     def values(self) -> tuple:
-        """Of an axis of one scalar."""
+        """Values of an axis of one scalar."""
         return tuple(row[0] for row in self.rows)
 
     def columns(self) -> dict[Path, list]:
-        """The values of each scalar."""
+        """Values of each scalar, by path."""
         return {path: [row[k] for row in self.rows] for k, path in enumerate(self.paths)}
 
 
@@ -75,12 +75,12 @@ def attributes(path: Path) -> dict:
 
 
 def dotted(path: Path) -> str:
-    """A path as it is written."""
+    """Path as it is written, parts joined by dots."""
     return ".".join(map(str, path))
 
 
 def coordinate_names(paths) -> dict[Path, str]:
-    """Names for scalars: the last key, or as much of the path as tells them from each other and from variables."""
+    """Names for scalars: the last key, or as much of the path as makes them unique, among variables too."""
     paths = list(paths)
     taken = {*VARIABLES, *OWN.values(), CASE, "mode"}
 
@@ -122,18 +122,18 @@ def _flat(nodes):
 
 
 def _below(node, part):
-    for one in _flat([node]):
-        if part in one.get("properties", {}):
-            yield one["properties"][part]
-        elif isinstance(part, int) and "items" in one:
-            yield one["items"]
-        elif isinstance(one.get("additionalProperties"), dict):
-            yield one["additionalProperties"]
-        yield from one.get("patternProperties", {}).values()
+    for alternative in _flat([node]):
+        if part in alternative.get("properties", {}):
+            yield alternative["properties"][part]
+        elif isinstance(part, int) and "items" in alternative:
+            yield alternative["items"]
+        elif isinstance(alternative.get("additionalProperties"), dict):
+            yield alternative["additionalProperties"]
+        yield from alternative.get("patternProperties", {}).values()
 
 
 def tree(config: Config) -> dict:
-    """The configuration without its sweep and coupled runs, as plain values in SI."""
+    """Tree of plain SI values of a configuration, without its sweep and coupled runs."""
     return config.model_dump(mode="json", exclude={"sweep", "coupled"})
 
 
@@ -145,7 +145,7 @@ def put(node, path: Path, value) -> None:
 
 
 def get(node, path: Path):
-    """A scalar of a configuration's tree."""
+    """Value of a scalar of a configuration's tree."""
     for part in path:
         node = node[part]
     return node[0] if path == SEED else node
@@ -164,7 +164,7 @@ def leaves(node, path: Path = ()):
 
 
 def tree_copy(node):
-    """A copy of a tree down to its scalars."""
+    """Copy of a tree down to its scalars."""
     if isinstance(node, dict):
         return {key: tree_copy(value) for key, value in node.items()}
     return [tree_copy(value) for value in node] if isinstance(node, list) else node

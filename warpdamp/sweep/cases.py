@@ -1,4 +1,4 @@
-"""Every case of a study, made when it is asked for: a sweep of a million cases is a few numbers a case."""
+"""Cases of a study, constructed when asked for: a sweep of a million cases is a few numbers a case."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ KEPT_POINTS = 512
 
 @dataclass(frozen=True)
 class Point:
-    """One combination of the swept scalars but frequency, gamma and seed.
+    """Combination of the swept scalars other than frequency, gamma and seed.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Point:
 
 
 class Cases:
-    """The cases of a study, numbered in the order of (frequency, gamma, swept scalars, seed).
+    """Cases of a study, numbered in the order of (frequency, gamma, swept scalars, seed).
 
     Parameters
     ----------
@@ -110,11 +110,11 @@ class Cases:
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
-        """How many values each dimension has; found when first asked for, since files of modes may have to be read."""
+        """Number of values of each dimension; computed on first use, since files of modes may have to be read."""
         return self._frequencies(), len(self.gammas), *(len(axis) for axis in self.axes), len(self.seeds)
 
     def _frequencies(self) -> int:
-        """How many: one where ``case`` carries it; the number of modes may be known to their source only."""
+        """Number of frequencies: one where ``case`` carries it; modes may be known to their source only."""
         if FREQUENCY in self.carried:
             return 1
         if not self.modal:
@@ -136,12 +136,12 @@ class Cases:
         return coordinate_names(path for axis in self.axes for path in axis.paths)
 
     def points(self) -> Iterator[Point]:
-        """Every combination of the swept scalars but frequency, gamma and seed."""
+        """Combinations of the swept scalars other than frequency, gamma and seed, in order."""
         for index in itertools.product(*(range(len(axis)) for axis in self.axes)):
             yield self.point(index)
 
     def point(self, index: tuple[int, ...]) -> Point:
-        """One of them."""
+        """Point at an index on the study's axes."""
         if index in self._points:
             self._points.move_to_end(index)
             return self._points[index]
@@ -170,15 +170,15 @@ class Cases:
         if single.excitation.frequency != "modes":
             return Point(index, single, None, tuple(as_list(single.excitation.frequency)))
         try:
-            own = self._own_modes(single)
+            modes = self._own_modes(single)
         except ConfigError as problem:
             if not any(path[0] == "structure" for axis in self.axes for path in axis.paths):
                 raise
             return Point(index, None, refused=str(problem))  # here only: a damper on a node, a mode that is not there
-        if "shape" in vars(self) and len(own.number) != self.shape[0]:
+        if "shape" in vars(self) and len(modes.number) != self.shape[0]:
             return Point(index, None, refused="the structure has other modes here: name them in structure.modes")
         # to a microhertz: an eigensolver's last bits depend on the machine, and beds are chaotic
-        return Point(index, single, own, tuple(round(float(f), 6) for f in own.frequency))
+        return Point(index, single, modes, tuple(round(float(f), 6) for f in modes.frequency))
 
     def _own_modes(self, single: Config) -> Modes:
         """Of the structure with a point's particles; each structure and mass of particles once."""
@@ -200,12 +200,12 @@ class Cases:
             yield int(i * steps[0] + j * steps[1] + inner + k), (i, j, k)
 
     def spec(self, number: int) -> tuple[Spec, Criteria]:
-        """A case to run, and when it is done."""
+        """Case to run, and its criteria, by number."""
         index = tuple(int(k) for k in np.unravel_index(number, self.shape))
         return self.spec_at(self.point(index[2:-1]), (index[0], index[1], index[-1]))
 
     def spec_at(self, point: Point, position: tuple[int, int, int]) -> tuple[Spec, Criteria]:
-        """The case of a point at a position in (frequency, gamma, seed), and when it is done.
+        """Case of a point at a position in (frequency, gamma, seed), and its criteria.
 
         Raises
         ------
@@ -221,7 +221,7 @@ class Cases:
         return Spec(index, driven, steps_of(config, driven, bed.grains), bed), criteria_of(config, frequency)
 
     def specs(self) -> Iterator[Spec]:
-        """Every case that can be and is not excluded."""
+        """Cases that are possible and not excluded, in order."""
         for point in self.points():
             if not point.refused:
                 for _, position in self.numbers(point):
@@ -229,7 +229,7 @@ class Cases:
                         yield self.spec_at(point, position)[0]
 
     def acceleration(self, number: int) -> float:
-        """Amplitude of a case [m/s^2]."""
+        """Acceleration amplitude of a case [m/s^2]."""
         return self.spec(number)[0].scene.drive.acceleration
 
     def drive_at(self, point: Point, position: tuple[int, int, int]) -> tuple[float, float, int]:
@@ -254,7 +254,7 @@ class Cases:
         return self._beds[index, seed]
 
 
-def steps_of(config: Config, driven, own) -> int:
+def steps_of(config: Config, driven, particles) -> int:
     """Steps per cycle, chosen or forced.
 
     Raises
@@ -264,10 +264,10 @@ def steps_of(config: Config, driven, own) -> int:
     """
     numerics = config.numerics
     if numerics.step == "auto":
-        return steps_per_cycle(driven, own, steps_per_contact=numerics.steps_per_contact)
-    longest = contact_step(driven, own, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
+        return steps_per_cycle(driven, particles, steps_per_contact=numerics.steps_per_contact)
+    longest = contact_step(driven, particles, steps_per_contact=FEWEST_STEPS_PER_CONTACT)
     if numerics.step > longest:
-        shortest = shortest_contact(driven, own, expected_speed(driven, own.radius))
+        shortest = shortest_contact(driven, particles, expected_speed(driven, particles.radius))
         raise config.error(
             "numerics.step",
             f"{numerics.step:.3g} s is too large for the shortest contact expected, {shortest:.3g} s at "
@@ -278,9 +278,9 @@ def steps_of(config: Config, driven, own) -> int:
 
 
 def criteria_of(config: Config, frequency: float) -> Criteria:
-    """When a case at a frequency is done."""
-    wanted = config.steady_state
-    if wanted.recipe == "paper":
+    """Criteria by which a case at a frequency [Hz] ends."""
+    steady_state = config.steady_state
+    if steady_state.recipe == "paper":
         return paper_criteria(frequency)
     slack = settings_for(config.accuracy.tolerance).slack if config.accuracy else 0.0
-    return Criteria(wanted.standard_error, wanted.fewest_cycles, wanted.most_cycles, slack=slack)
+    return Criteria(steady_state.standard_error, steady_state.fewest_cycles, steady_state.most_cycles, slack=slack)

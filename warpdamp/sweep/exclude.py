@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Exclusions:
-    """The conditions under ``sweep.exclude``: a case that meets all of any entry is left out.
+    """Conditions under ``sweep.exclude``: a case that meets all of any entry is left out.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class Exclusions:
     Raises
     ------
     ConfigError
-        If a path is no scalar of the configuration, or a value is none that it can take.
+        If a path is not a scalar of the configuration, or a value is none that it can take.
     """
 
     def __init__(self, config: Config):
@@ -32,9 +32,7 @@ class Exclusions:
         reader = Reader(config)
         for k, entry in enumerate(config.sweep.exclude if config.sweep else ()):
             place = ("sweep", "exclude", k)
-            self.entries.append(
-                dict(reader.condition(key, condition, (*place, key)) for key, condition in entry.items())
-            )
+            self.entries.append(dict(reader.condition(key, rule, (*place, key)) for key, rule in entry.items()))
 
     def __call__(self, point: Point, frequency: float, gamma: float, seed: int) -> bool:
         """Whether a case is left out."""
@@ -42,18 +40,18 @@ class Exclusions:
             return False
         values, drive = tree(point.config), {FREQUENCY: frequency, GAMMA: gamma, SEED: seed}
         return any(
-            all(_meets(drive[path] if path in drive else get(values, path), wanted) for path, wanted in entry.items())
+            all(_meets(drive[path] if path in drive else get(values, path), rule) for path, rule in entry.items())
             for entry in self.entries
         )
 
 
-def _meets(value, wanted) -> bool:
-    if isinstance(wanted, Between):
-        return wanted.from_ <= value <= wanted.to or any(map(lambda end: _same(value, end), (wanted.from_, wanted.to)))
-    return any(_same(value, one) for one in wanted)
+def _meets(value, rule) -> bool:
+    if isinstance(rule, Between):
+        return rule.from_ <= value <= rule.to or any(map(lambda end: _same(value, end), (rule.from_, rule.to)))
+    return any(_same(value, allowed) for allowed in rule)
 
 
-def _same(value, wanted) -> bool:
-    """Equal, numbers to the rounding of their units."""
-    numbers = [isinstance(v, int | float) and not isinstance(v, bool) for v in (value, wanted)]
-    return math.isclose(value, wanted, rel_tol=1e-9) if all(numbers) else value == wanted
+def _same(value, other) -> bool:
+    """Whether two values are equal, numbers to the rounding of their units."""
+    numbers = [isinstance(v, int | float) and not isinstance(v, bool) for v in (value, other)]
+    return math.isclose(value, other, rel_tol=1e-9) if all(numbers) else value == other

@@ -1,4 +1,4 @@
-"""A study from its YAML file, or from the folder that holds its results."""
+"""Loading of a study from its YAML file, or from the folder that holds its results."""
 
 from __future__ import annotations
 
@@ -14,10 +14,30 @@ from .plan import Plan, load_or_make_plan
 def load(path: str | Path) -> Config:
     """Read and validate a configuration, its sweep included.
 
+    Parameters
+    ----------
+    path : str or Path
+        YAML file.
+
+    Returns
+    -------
+    Config
+        Validated configuration in SI units.
+
     Raises
     ------
     ConfigError
         One line for every error: file:line:column: key: what is wrong.
+
+    Examples
+    --------
+    >>> from warpdamp import load
+    >>> config = load("configs/beam.yaml")
+    >>> config.damper.particles.count, config.damper.enclosure.height  # [m]
+    (120, 0.04)
+    >>> load("configs/beam_modes.csv")
+    Traceback (most recent call last):
+    warpdamp.errors.ConfigError: configs/beam_modes.csv:1:1: not a warpdamp configuration: ...
     """
     config = read(path)
     Cases(config)  # what is wrong with a sweep is said now
@@ -25,7 +45,15 @@ def load(path: str | Path) -> Config:
 
 
 def load_plan(folder: Path) -> Plan:
-    """The plan of the study that a folder holds.
+    """Plan of the study that a folder holds.
+
+    Parameters
+    ----------
+    folder : Path
+
+    Returns
+    -------
+    Plan
 
     Raises
     ------

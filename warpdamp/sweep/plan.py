@@ -1,4 +1,4 @@
-"""What a study has to run: the identity, cost and company of every case, found in one pass over them.
+"""Plan of a study: the identity, cost and grouping of every case, found in one pass over them.
 
 A case is known by a hash of all that its result depends on: its bed, drive, step and criteria, the version of the
 physics, and, where beds are carried on, the amplitudes before it.
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 class Fate(IntEnum):
-    """What becomes of a case of a study."""
+    """Fate of a case in a study."""
 
     RUN = 0
     EXCLUDED = 1
@@ -39,22 +39,22 @@ class Fate(IntEnum):
 
 
 def identity(spec: Spec, criteria: Criteria, bed: str) -> dict:
-    """All that the result of a case depends on, but for the amplitudes before it; ``bed``: key of its bed."""
-    own = {f.name: getattr(spec, f.name) for f in fields(spec) if f.name not in ("index", "scene", "bed")}
+    """Inputs that determine the result of a case, except the amplitudes before it; ``bed``: key of its bed."""
+    rest = {f.name: getattr(spec, f.name) for f in fields(spec) if f.name not in ("index", "scene", "bed")}
     drive = asdict(spec.scene.drive)
     versions = {"physics": PHYSICS_VERSION, "results": RESULTS_VERSION}
-    return {**versions, "bed": bed, "drive": drive, "criteria": asdict(criteria), **own}
+    return {**versions, "bed": bed, "drive": drive, "criteria": asdict(criteria), **rest}
 
 
 def key(identity: dict, before: list[dict] = []) -> bytes:  # noqa: B006 - not changed
-    """Sixteen bytes that a case is known by."""
+    """Key of a case, 16 bytes, from its identity and those of the cases before it."""
     text = json.dumps({**identity, "before": before}, sort_keys=True)
     return hashlib.sha256(text.encode()).digest()[:16]
 
 
 @dataclass
 class Plan:
-    """The cases of a study, as arrays over their numbers.
+    """Cases of a study, as arrays over their numbers.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class Plan:
     groups : (effects, criteria) that occur
     beds : keys of the beds, with the number of a case that has them
     refused : why, by the index of the point
-    said : attributes of the Dataset: what was simulated, and what was forced off
+    attributes : attributes of the Dataset: what was simulated, and what was forced off
     """
 
     cases: Cases
@@ -88,15 +88,15 @@ class Plan:
     groups: list[tuple[Effects, Criteria]] = field(default_factory=list)
     beds: dict[str, int] = field(default_factory=dict)
     refused: dict[tuple, str] = field(default_factory=dict)
-    said: dict[str, str] = field(default_factory=dict)
+    attributes: dict[str, str] = field(default_factory=dict)
 
     def to_run(self) -> np.ndarray:
         """Numbers of the cases that are run."""
         return np.flatnonzero(self.fate == Fate.RUN)
 
 
-def plan(cases: Cases) -> Plan:
-    """Look at every case once.
+def make_plan(cases: Cases) -> Plan:
+    """Plan of a study, in one pass over its cases.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def plan(cases: Cases) -> Plan:
         If no combination can be, or a forced step does not resolve the shortest contact expected.
     """
     n = len(cases)
-    made = Plan(
+    plan = Plan(
         cases,
         keys=np.zeros(n, "S16"),
         fate=np.full(n, Fate.RUN, np.int8),
@@ -121,62 +121,62 @@ def plan(cases: Cases) -> Plan:
     groups: dict = {}
     positions: dict = {}
     for point in cases.points():
-        _look(made, point, groups, positions, carried)
-    made.groups, made.said = list(groups), _effects_said(cases, groups)
-    _chain_up(made, carried)
-    if len(made.refused) == len(list(_indices(cases))):
-        raise cases.config.error(("sweep",), next(iter(made.refused.values())))
-    return made
+        _look(plan, point, groups, positions, carried)
+    plan.groups, plan.attributes = list(groups), _effect_attributes(cases, groups)
+    _chain_up(plan, carried)
+    if len(plan.refused) == len(list(_indices(cases))):
+        raise cases.config.error(("sweep",), next(iter(plan.refused.values())))
+    return plan
 
 
 def _indices(cases: Cases):
     return np.ndindex(*cases.shape[2:-1])
 
 
-def _look(made: Plan, point, groups: dict, positions: dict, carried: dict) -> None:
+def _look(plan: Plan, point, groups: dict, positions: dict, carried: dict) -> None:
     """Fill in the cases of a point."""
-    cases = made.cases
+    cases = plan.cases
     if point.refused:
-        made.refused[point.index] = point.refused
-        made.fate[[number for number, _ in cases.numbers(point)]] = Fate.REFUSED
+        plan.refused[point.index] = point.refused
+        plan.fate[[number for number, _ in cases.numbers(point)]] = Fate.REFUSED
         return
     mass, beds, effects = particle_mass(point.config), {}, None
     for number, position in cases.numbers(point):
         frequency, gamma, seed = cases.drive_at(point, position)
-        made.frequency[number], made.particle_mass[number] = frequency, mass
+        plan.frequency[number], plan.particle_mass[number] = frequency, mass
         if cases.excluded(point, frequency, gamma, seed):
-            made.fate[number] = Fate.EXCLUDED
+            plan.fate[number] = Fate.EXCLUDED
             continue
         spec, criteria = cases.spec_at(point, position)
         effects = effects or spec.effects
         if seed not in beds:
             beds[seed] = spec.bed.key()
             positions.setdefault(beds[seed], len(positions))
-            made.beds.setdefault(beds[seed], number)
-        made.dt[number], made.particles[number] = spec.dt, len(spec.bed.grains)
-        made.cost[number] = spec.cost(criteria)
-        made.group[number], _ = groups.setdefault((effects, criteria), (len(groups), number))
-        own = identity(spec, criteria, beds[seed])
-        made.bed[number] = positions[beds[seed]]
+            plan.beds.setdefault(beds[seed], number)
+        plan.dt[number], plan.particles[number] = spec.dt, len(spec.bed.grains)
+        plan.cost[number] = spec.cost(criteria)
+        plan.group[number], _ = groups.setdefault((effects, criteria), (len(groups), number))
+        inputs = identity(spec, criteria, beds[seed])
+        plan.bed[number] = positions[beds[seed]]
         if point.config.preparation == "carried":
-            company = key({**own, "drive": {**own["drive"], "acceleration": 0}, "steps_per_cycle": 0}).hex()
-            carried.setdefault(company, []).append((spec.scene.drive.acceleration, number, own))
+            chain = key({**inputs, "drive": {**inputs["drive"], "acceleration": 0}, "steps_per_cycle": 0}).hex()
+            carried.setdefault(chain, []).append((spec.scene.drive.acceleration, number, inputs))
         else:
-            made.keys[number] = key(own)
+            plan.keys[number] = key(inputs)
 
 
-def _chain_up(made: Plan, carried: dict) -> None:
-    """Give cases that are carried on their keys: each depends on those before it."""
+def _chain_up(plan: Plan, carried: dict) -> None:
+    """Set the keys of carried cases: each depends on those before it."""
     for chain in carried.values():
         chain.sort(key=lambda member: member[:2])
         first, before = chain[0][1], []
-        for _, number, own in chain:
-            made.chain[number] = first
-            made.keys[number] = key(own, before)
-            before = [*before, {"drive": own["drive"], "steps_per_cycle": own["steps_per_cycle"]}]
+        for _, number, inputs in chain:
+            plan.chain[number] = first
+            plan.keys[number] = key(inputs, before)
+            before = [*before, {"drive": inputs["drive"], "steps_per_cycle": inputs["steps_per_cycle"]}]
 
 
-def _effects_said(cases: Cases, groups: dict) -> dict[str, str]:
+def _effect_attributes(cases: Cases, groups: dict) -> dict[str, str]:
     forced_off = {name for _, number in groups.values() for name in cases.spec(number)[0].forced_off}
     return {
         "effects": "; ".join(sorted({str(effects) for effects, _ in groups})),
@@ -187,45 +187,45 @@ def _effects_said(cases: Cases, groups: dict) -> dict[str, str]:
 _ARRAYS = ("keys", "fate", "frequency", "particle_mass", "dt", "particles", "cost", "chain", "group", "bed")
 
 
-def save_plan(made: Plan, folder: Path) -> None:
-    """Keep a plan beside its cases: a run that goes on, its parts, and looks at it need not make it again."""
-    study = resolved_yaml(made.cases.config).encode()
+def save_plan(plan: Plan, folder: Path) -> None:
+    """Save a plan beside its cases, so that a continued run, its parts and ``status`` need not make it again."""
+    study = resolved_yaml(plan.cases.config).encode()
     about = {
-        "made": _fingerprint(study),
-        "refused": [[list(index), why] for index, why in made.refused.items()],
-        "said": made.said,
-        "beds": made.beds,
-        "groups": [int(made.to_run()[np.argmax(made.group[made.to_run()] == k)]) for k in range(len(made.groups))],
+        "fingerprint": _fingerprint(study),
+        "refused": [[list(index), why] for index, why in plan.refused.items()],
+        "attributes": plan.attributes,
+        "beds": plan.beds,
+        "groups": [int(plan.to_run()[np.argmax(plan.group[plan.to_run()] == k)]) for k in range(len(plan.groups))],
     }
     content = io.BytesIO()
-    np.savez_compressed(content, about=np.array(json.dumps(about)), **{name: getattr(made, name) for name in _ARRAYS})
+    np.savez_compressed(content, about=np.array(json.dumps(about)), **{name: getattr(plan, name) for name in _ARRAYS})
     keep(folder / "plan.npz", content.getvalue())
     keep(folder / "study.yaml", study)
 
 
 def load_or_make_plan(cases: Cases, folder: Path) -> Plan:
-    """The plan kept in a folder, if the same study and the same code made it; otherwise a new one.
+    """Plan saved in a folder, if the same study and the same code made it; otherwise a new one.
 
     Raises
     ------
     ConfigError
-        See ``plan``.
+        See ``make_plan``.
     """
     try:
         with np.load(folder / "plan.npz") as file:
             arrays = {name: file[name] for name in _ARRAYS}
             about = json.loads(str(file["about"]))
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):  # not there, or damaged
-        return plan(cases)
-    if about["made"] != _fingerprint(resolved_yaml(cases.config).encode()):
-        return plan(cases)
+        return make_plan(cases)
+    if about.get("fingerprint") != _fingerprint(resolved_yaml(cases.config).encode()):
+        return make_plan(cases)
     groups = [(spec.effects, criteria) for spec, criteria in map(cases.spec, about["groups"])]
     refused = {tuple(index): why for index, why in about["refused"]}
-    return Plan(cases, **arrays, groups=groups, beds=about["beds"], refused=refused, said=about["said"])
+    return Plan(cases, **arrays, groups=groups, beds=about["beds"], refused=refused, attributes=about["attributes"])
 
 
 def _fingerprint(study: bytes) -> str:
-    """Of a study and of the code: a plan by other code may be another plan."""
+    """Hash of a study and of the code: a plan by other code may differ."""
     return hashlib.sha256(study + _code()).hexdigest()
 
 

@@ -1,8 +1,7 @@
-"""Reads the ``sweep`` of a configuration into axes; what is wrong with it is said at its place in the file."""
+"""Reading of a configuration's ``sweep`` into axes; errors name their place in the file."""
 
 from __future__ import annotations
 
-import csv
 import difflib
 import itertools
 import math
@@ -12,6 +11,8 @@ from pydantic import ValidationError
 from ..config.quantities import to_si
 from ..config.study import Config
 from ..config.sweep import Between, Range, SampleConfig, Span, spread
+from ..errors import ConfigError
+from ..text_table import Row, TableError, column, is_number, number, read_rows
 from .axes import (
     CASE,
     GAMMA,
@@ -31,18 +32,18 @@ from .axes import (
 
 
 def read_axes(config: Config) -> tuple[Config, list[Axis]]:
-    """The configuration with every frequency, gamma and seed of the sweep in it, and its other axes.
+    """Configuration with every frequency, gamma and seed of the sweep in it, and its other axes.
 
     Raises
     ------
     ConfigError
-        If a path is none of the configuration's scalars, is given twice, or takes a value that it cannot take.
+        If a path is not one of the configuration's scalars, is given twice, or takes a value that it cannot take.
     """
     return Reader(config).read()
 
 
 class Reader:
-    """Reads the sweep of one configuration.
+    """Reader of the sweep of one configuration.
 
     Parameters
     ----------
@@ -56,17 +57,17 @@ class Reader:
         self.taken: dict[Path, tuple] = {}
 
     def condition(self, key: str, condition, place) -> tuple[Path, object]:
-        """The path of a condition, and its values in SI: ``Between``, or a list."""
+        """Path of a condition, and its values in SI: ``Between``, or a list."""
         path = self._find(key, place)
         if isinstance(condition, Between):
             low, high = (self._single(path, end, place) for end in (condition.from_, condition.to))
             return path, Between(from_=low, to=high)
-        some = condition if isinstance(condition, list) else [condition]
-        return path, [self._single(path, value, place) for value in some]
+        values = condition if isinstance(condition, list) else [condition]
+        return path, [self._single(path, value, place) for value in values]
 
     def read(self) -> tuple[Config, list[Axis]]:
-        """See ``read_axes``."""
-        found = self._in_place()
+        """Read the sweep; see ``read_axes``."""
+        lists = self._in_place()
         sweep = self.config.sweep
         together: list[Axis] = []
         config = self.config
@@ -74,18 +75,18 @@ class Reader:
             for key, values in sweep.product.items():
                 place = ("sweep", "product", key)
                 path = self._take(key, place)
-                found.append((path, self._distinct(self._values(path, values, place), place)))
+                lists.append((path, self._distinct(self._values(path, values, place), place)))
             for k, group in enumerate(sweep.zip):
                 together.append(self._zipped(group, ("sweep", "zip", k)))
             if sweep.sample:
                 together.append(self._sampled(sweep.sample))
             if sweep.csv:
                 together.append(self.table(sweep.csv))
-            config = self._folded(found)
-        paths = [path for path, _ in found if path not in OWN]
+            config = self._folded(lists)
+        paths = [path for path, _ in lists if path not in OWN]
         names = coordinate_names([*paths, *(path for axis in together for path in axis.paths)])
-        own = [Axis(names[path], (path,), tuple((v,) for v in values)) for path, values in found if path not in OWN]
-        return config, own + _merged(together)
+        axes = [Axis(names[path], (path,), tuple((v,) for v in values)) for path, values in lists if path not in OWN]
+        return config, axes + _merged(together)
 
     def _in_place(self) -> list[tuple[Path, list]]:
         """Lists that stand where a scalar may."""
@@ -106,13 +107,13 @@ class Reader:
             raise self.config.error(place, "each value once")
         return values
 
-    def _folded(self, found) -> Config:
-        """With the product's frequencies, gammas and seeds where lists of them stand."""
+    def _folded(self, lists) -> Config:
+        """Configuration with the product's frequencies, gammas and seeds in place of its own."""
         values = self.base | {"sweep": None}
-        for path, some in found:
+        for path, values_of_axis in lists:
             if path in OWN:
                 node = values if path == SEED else values[path[0]]
-                node[path[-1]] = sorted(some)
+                node[path[-1]] = sorted(values_of_axis)
         folded = Config.model_validate(values)
         folded._source = self.config._source
         return folded.model_copy(update={"sweep": self.config.sweep})
@@ -145,7 +146,7 @@ class Reader:
             last[name] for name in difflib.get_close_matches(str(parts[-1]), list(last), n=1)
         ]
         hint = f"; did you mean '{close[0]}'?" if close else "; write a path such as contact.friction"
-        raise self.config.error(place, f"is no scalar of this configuration{hint}")
+        raise self.config.error(place, f"is not a scalar of this configuration{hint}")
 
     def _read(self, row: dict[Path, object], place) -> dict:
         """Values as the models read them: checked, and in SI."""
@@ -155,9 +156,9 @@ class Reader:
         try:
             read = tree(Config.model_validate(values))
         except ValidationError as error:
-            own = [e for e in error.errors() if any(_at(e["loc"], path) for path in row)]
-            if own:
-                raise self.config.error(place, _said(own[0], row)) from None
+            relevant = [e for e in error.errors() if any(_at(e["loc"], path) for path in row)]
+            if relevant:
+                raise self.config.error(place, _message(relevant[0], row)) from None
             return {path: _in_si(path, value) for path, value in row.items()}  # another combination may be possible
         return {path: get(read, path) for path in row}
 
@@ -202,36 +203,56 @@ class Reader:
         return Axis(CASE, tuple(columns), tuple(zip(*columns.values(), strict=True)))
 
     def table(self, name: str) -> Axis:
-        """The scalars of a CSV file, one a column."""
+        """Axis of the scalars of a CSV file, one a column."""
         place, file = ("sweep", "csv"), self.config.folder / name
         try:
-            with open(file, newline="", encoding="utf-8-sig") as text:
-                header, *lines = [line for line in csv.reader(text) if line] or [[]]
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
-            raise self.config.error(
-                place, f"{file} cannot be read: {getattr(error, 'strerror', None) or error}"
-            ) from None
-        if not header or not lines:
+            rows = read_rows(file, separators=(";", "\t", ","))
+        except TableError as error:
+            raise self.config.error(place, str(error)) from None
+        if len(rows) < 2:
             raise self.config.error(place, f"{file} needs a line of paths and at least one line of values")
-        paths = [self._take(key.strip(), place) for key in header]
-        rows = []
-        for number, line in enumerate(lines, 2):
-            if len(line) != len(paths):
-                raise self.config.error(place, f"{file}, line {number}: {len(line)} values for {len(paths)} columns")
-            try:
-                row = self._read(dict(zip(paths, map(_cell, line), strict=True)), place)
-            except ValueError as error:
-                raise self.config.error(
-                    place, f"{file}, line {number}: {str(error).rpartition('sweep.csv: ')[2]}"
-                ) from None
-            rows.append(tuple(row[path] for path in paths))
-        return Axis(CASE, tuple(paths), tuple(rows))
+        head, *lines = rows
+        if mixed := _two_decimal_marks(lines):
+            raise self.config.error(place, f"{file}:{mixed}: has decimal points and decimal commas: write one of them")
+        heads = [column(cell) for cell in head.cells]
+        paths = [self._column(title.name, f"{file}:{head.line}: column '{title}'") for title in heads]
+        values = []
+        for line in lines:
+            where = f"{file}:{line.line}"
+            if len(line.cells) != len(paths):
+                raise self.config.error(place, f"{where}: {len(line.cells)} values for {len(paths)} columns")
+            cells = [_cell(cell, title.unit) for cell, title in zip(line.cells, heads, strict=True)]
+            row = _in_file(where, self._read, dict(zip(paths, cells, strict=True)), place)
+            values.append(tuple(row[path] for path in paths))
+        return Axis(CASE, tuple(paths), tuple(values))
+
+    def _column(self, name: str, where: str) -> Path:
+        return _in_file(where, self._take, name, ("sweep", "csv"))
+
+
+def _in_file(where: str, action, *arguments):
+    """What an action gives; its errors at a place in the table beside the configuration."""
+    try:
+        return action(*arguments)
+    except ConfigError as error:
+        before, key, after = str(error).rpartition("sweep.csv: ")
+        raise ConfigError(f"{before}{key}{where}: {after}") from None
+
+
+def _two_decimal_marks(rows: list[Row]) -> int | None:
+    """The first line by which numbers have been written with decimal points and with decimal commas."""
+    marks: set[str] = set()
+    for row in rows:
+        marks |= {mark for cell in row.cells if is_number(cell) for mark in ",." if mark in cell}
+        if len(marks) > 1:
+            return row.line
+    return None
 
 
 def _at(loc: tuple, path: Path) -> bool:
     """Whether an error is about a scalar itself (unions add names of their own to its place)."""
     parts = iter(loc)
-    return all(any(part == wanted for part in parts) for wanted in path)
+    return all(any(part == key for part in parts) for key in path)
 
 
 def _in_si(path: Path, value):
@@ -239,24 +260,22 @@ def _in_si(path: Path, value):
     return value if unit is None else to_si(value, unit)
 
 
-def _said(error, row: dict) -> str:
-    """What the models say, in one line."""
+def _message(error, row: dict) -> str:
+    """Message of the models in one line."""
     message = error["msg"].removeprefix("Value error, ")
     given = " and ".join(f"{dotted(path)} = {value!r}" for path, value in row.items())
     return f"{message[:1].lower()}{message[1:]} (with {given})"
 
 
-def _cell(text: str):
-    """A number, a truth value, or text."""
-    text = text.strip()
-    for kind in (int, float):
-        try:
-            value = kind(text)
-        except ValueError:
-            continue
-        if math.isfinite(value):
-            return value
-    return {"true": True, "false": False}.get(text.lower(), text)
+def _cell(text: str, unit: str):
+    """A number, a quantity in the unit of its column, a truth value, or text."""
+    bare = unit in ("", "-", "1")
+    if not is_number(text):
+        return {"true": True, "false": False}.get(text.lower(), text if bare else f"{text} {unit}")
+    if not bare:
+        return f"{number(text)!r} {unit}"
+    value = number(text)
+    return int(text) if text.lstrip("+-").isdigit() else value if math.isfinite(value) else text
 
 
 def _samples(sample: SampleConfig, dimensions: int):
@@ -271,7 +290,7 @@ def _samples(sample: SampleConfig, dimensions: int):
 
 
 def _merged(axes: list[Axis]) -> list[Axis]:
-    """Every combination of several groups along one dimension."""
+    """Axis of all combinations of several groups, along one dimension."""
     if not axes:
         return []
     rows = tuple(tuple(itertools.chain(*parts)) for parts in itertools.product(*(axis.rows for axis in axes)))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..config.build import as_list
@@ -12,12 +10,9 @@ from ..numerics.tolerance import settings_for
 from .axes import dotted
 from .reader import Reader
 
-if TYPE_CHECKING:
-    from ..config.study import Config
 
-
-def applied(config: Config) -> Config:
-    """The configuration with the step, the length and the packings that its tolerance takes.
+def with_tolerance(config: Config) -> Config:
+    """Configuration with the step, the length and the packings that its tolerance chooses.
 
     Raises
     ------
@@ -42,8 +37,8 @@ def applied(config: Config) -> Config:
     return changed
 
 
-def settled(config: Config) -> Config:
-    """The same study without a table beside it, and with whole paths of its other files, so that it can be kept.
+def self_contained(config: Config) -> Config:
+    """Configuration that does not depend on its folder: its table read in, absolute paths of its other files.
 
     Raises
     ------
@@ -63,7 +58,7 @@ def settled(config: Config) -> Config:
 
 
 def shortened(config: Config) -> Config:
-    """The same study in a minute: five amplitudes, one seed, a loose bed, 12 cycles a case, without its ``sweep``.
+    """Configuration for a first look in a minute: five amplitudes, one seed, loose bed, 12 cycles, no ``sweep``.
 
     Its figures are a first look only: loose beds drift, and ``status`` says so.
     """

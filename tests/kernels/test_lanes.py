@@ -12,16 +12,15 @@ import pytest
 from warpdamp import Batch, Case, Effects, State
 from warpdamp.kernels import lanes
 from warpdamp.numerics.timestep import steps_per_cycle
-
-RADIUS = 3.73e-3
+from warpdamp.scene.paper import RADIUS
 
 COMPILE = """
 from warpdamp.kernels.options import UNIQUE
 UNIQUE["module_options"]["cpu_compiler_flags"] += " -Rpass=loop-vectorize"
-from warpdamp.effects import Effects
-from warpdamp.shaking import warm_up
-from warpdamp.speed import paper_scene
-warm_up(paper_scene(), Effects({effects}))
+from warpdamp.scene.effects import Effects
+from warpdamp.damper.shake import warm_up
+from warpdamp.scene.paper import damper
+warm_up(damper(), Effects({effects}))
 """
 
 
