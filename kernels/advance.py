@@ -54,7 +54,7 @@ def stepper(effects, count: int):
 
         ``nearby`` is the end of the nearby pairs.  The step stands for ``h`` seconds and comes ``since`` seconds after
         the last one; the enclosure's place advances over ``drift`` seconds.  Returns minus the enclosure's acceleration
-        [m/s^2] and the row.
+        and that of the structure's base [m/s^2], and the row.
         """
         pair_losses, largest = pair_forces(case, p, c, nearby, h, since)
         reaction = vec3()
@@ -69,14 +69,22 @@ def stepper(effects, count: int):
         if wp.static(effects.structure):
             along = wp.dot(reaction, case.direction)
             place = enclosure_place(case, mount)
-            acceleration, force_work, loss = answer(case, mount, step, along, h, drift)
+            acceleration, base, force_work, loss = answer(case, mount, step, along, h, drift)
             if drift > real(0.0):
                 record(case, mount, step, place, acceleration, along)
             row[Column.force_work] += force_work
             row[Column.structure_loss] += loss
-            return -acceleration * case.direction, row
+            return -acceleration * case.direction, base, row
         else:
-            return case.acceleration * real(sine) * case.direction, row
+            return case.acceleration * real(sine) * case.direction, real(0.0), row
+
+    @wp.func
+    def worked(case: Case, row: Row, work: wp.float64, momentum: wp.vec3d, base: real, h: real):
+        """Add the work of the inertial force, and what a base that moves does by the particles' momentum."""
+        row[Column.work_input] += work
+        if wp.static(effects.structure):
+            row[Column.force_work] -= wp.float64(base * h) * wp.dot(momentum, wp.vec3d(case.direction))
+        return row
 
     @wp.kernel(**UNIQUE)
     def advance(
@@ -123,10 +131,10 @@ def stepper(effects, count: int):
             if real(2.01) * way > margin:  # a little more than 2, for round-off
                 nearby = nearby_pairs(case, p, c, margin)
                 way = real(0.0)
-            inertial, row = forces(case, p, c, nearby, mount, step, h, since, case.dt, row)
-            work, travel2, fastest2, mean_velocity = integrate(case, p, inertial, h, shift)
+            inertial, base, row = forces(case, p, c, nearby, mount, step, h, since, case.dt, row)
+            work, travel2, fastest2, mean_velocity, momentum = integrate(case, p, inertial, h, shift)
             way += case.dt * wp.sqrt(fastest2)
-            row[Column.work_input] += work
+            row = worked(case, row, work, momentum, base, h)
             shift += case.dt * mean_velocity
             step += wp.int64(1)
             if wp.static(effects.guards):
@@ -168,8 +176,9 @@ def stepper(effects, count: int):
         if step > wp.int64(0):
             h = real(0.5) * case.dt
             nearby = nearby_pairs(case, p, c, real(0.0))
-            inertial, row = forces(case, p, c, nearby, mount, step, h, case.dt, real(0.0), row)
-            row[Column.work_input] += kick(case, p, inertial, h)
+            inertial, base, row = forces(case, p, c, nearby, mount, step, h, case.dt, real(0.0), row)
+            work, momentum = kick(case, p, inertial, h)
+            row = worked(case, row, work, momentum, base, h)
         tallies[n] = stored(case, p, c, mount, row, real(0.0))
 
     return advance, synchronise

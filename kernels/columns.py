@@ -32,7 +32,9 @@ displacement over the last cycle, less the common one [m].  The last is of the m
 
 STRUCTURE = ("force_work", "structure_loss", "structure_energy", "frame_energy")
 """With a structure: work of the force on it, its losses, its energy, and what the particles' kinetic and gravitational
-energy in the laboratory exceeds that in the enclosure's frame by.  The last two are of the moment."""
+energy in the laboratory exceeds that in the enclosure's frame by.  The last two are of the moment.
+
+Where the base moves, all are in the base's frame, and the work is that of the inertial forces there."""
 
 
 class KernelStatus(IntEnum):

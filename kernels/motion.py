@@ -60,6 +60,8 @@ def motion(effects):
         fastest2 : real [m^2/s^2]
             Largest square of a speed.
         mean_velocity : vec3 [m/s]
+        momentum : vec3d [kg m/s]
+            Of all particles, mean of before and after.
         """
         momentum = wp.vec3d()  # twice the mean of before and after
         travel2 = real(0.0)
@@ -94,11 +96,11 @@ def motion(effects):
             travel2 = at_least(wp.dot(moved, moved), travel2)
             fastest2 = at_least(wp.dot(after, after), fastest2)
         work = wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
-        return work, travel2, fastest2, mean_velocity / real(case.count)
+        return work, travel2, fastest2, mean_velocity / real(case.count), wp.float64(0.5) * momentum
 
     @wp.func
     def kick(case: Case, p: wp.array(dtype=Particle), inertial: vec3, h: real):
-        """Bring the velocities from the half step before to the whole step; returns the inertial work [J]."""
+        """Bring the velocities from the half step before to the whole step; returns inertial work and mean momentum."""
         momentum = wp.vec3d()  # twice the mean of before and after
         body = body_force(case, inertial)
         for i in range(case.first, case.first + case.count):
@@ -109,6 +111,7 @@ def motion(effects):
             p[i].half_velocity = after
             if wp.static(effects.rotation):
                 p[i].half_spin = p[i].half_spin + h * inverse_inertia_of(case, p, i) * p[i].torque
-        return wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
+        work = wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
+        return work, wp.float64(0.5) * momentum
 
     return enclosure_phase, integrate, kick

@@ -76,8 +76,10 @@ def structs(effects):
         if effects.structure:
             first_mode: wp.int32  # its modes are first_mode .. first_mode + modes - 1
             modes: wp.int32
-            force: real  # amplitude of the harmonic force on it [N]
-            first_sample: wp.int32  # its force's samples are first_sample .. first_sample + samples - 1
+            particle_mass: real  # of all its particles [kg]
+            excitation: real  # amplitude of the harmonic force on it [N], or of the base's acceleration [m/s^2]
+            base_moves: wp.int32  # 1: the excitation is the base's acceleration; 0: a force at the damper
+            first_sample: wp.int32  # the excitation's samples are first_sample .. first_sample + samples - 1
             samples: wp.int32
             sample_step: real  # [s] between them
             record: wp.int32  # steps between records; 0: none
@@ -157,17 +159,18 @@ def structs(effects):
         stiffness: real  # w^2 [1/s^2]
         damping: real  # zeta w [1/s]
         amplitude: real  # phi at the damper along the direction [kg^-0.5]
+        participation: real  # Gamma, of a base that moves along the direction [kg^0.5]
         position: real  # q at n [m kg^0.5]
         velocity: real  # at n - 1/2
 
     @wp.struct
     class Mount:
-        """Host structures of all cases: their modes, forces and records."""
+        """Host structures of all cases: their modes, what moves them, and records."""
 
         count: wp.int32  # of modes of all cases together
         if effects.structure:
             modes: wp.array(dtype=Mode)
-            force: wp.array(dtype=real)  # [N]
+            signal: wp.array(dtype=real)  # samples of forces [N] and of bases' accelerations [m/s^2]
             records: wp.array(dtype=wp.vec3d)  # place [m], acceleration [m/s^2] of the enclosure, reaction [N]
 
     @wp.struct

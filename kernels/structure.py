@@ -6,6 +6,13 @@ Each mode r, mass-normalised, with phi its amplitude at the damper in the direct
 
 F the force applied there, R that of the particles on the enclosure.  Leapfrog as for the particles; the damping acts on
 the mean of the velocities before and after, which needs no iteration.
+
+Where the base moves, with acceleration a along the direction, q and x are relative to it:
+
+    q'' + 2 zeta w q' + w^2 q = phi R - Gamma a,     Gamma = phi^T M d,     acceleration of the enclosure a + x'',
+
+d the displacement of the structure that follows the base like a rigid body.  In the base's frame the inertial forces
+do the work -a (sum Gamma q' + P) per second, P = p + m x' the momentum of the particles there, p that in the enclosure.
 """
 
 import functools
@@ -24,17 +31,22 @@ def structure(effects):
     Case, Mount = t.Case, t.Mount
 
     @wp.func
-    def applied_force(case: Case, mount: Mount, step: wp.int64):
-        """Force on the structure at the damper [N]: a harmonic part, and samples with straight lines between."""
+    def excitation(case: Case, mount: Mount, step: wp.int64):
+        """Return the force at the damper [N] and the base's acceleration [m/s^2], of which one is zero.
+
+        A harmonic part, and samples with straight lines between.
+        """
         phase = real(2.0) * real(wp.PI) * real(step % wp.int64(case.cycle)) / real(case.cycle)
-        force = case.force * wp.sin(phase)
+        value = case.excitation * wp.sin(phase)
         if case.samples > 1:
             place = real(step) * case.dt / case.sample_step
             k = wp.min(wp.int32(place), case.samples - 2)
             part = wp.min(place - real(k), real(1.0))
-            first = mount.force[case.first_sample + k]
-            force += first + part * (mount.force[case.first_sample + k + 1] - first)
-        return force
+            first = mount.signal[case.first_sample + k]
+            value += first + part * (mount.signal[case.first_sample + k + 1] - first)
+        if case.base_moves == 1:
+            return real(0.0), value
+        return value, real(0.0)
 
     @wp.func
     def answer(case: Case, mount: Mount, step: wp.int64, reaction: real, h: real, drift: real):
@@ -42,27 +54,28 @@ def structure(effects):
 
         Returns
         -------
-        acceleration : real [m/s^2]
-            Of the enclosure along its direction.
+        acceleration, base : real [m/s^2]
+            Of the enclosure and of the structure's base along the direction.
         force_work, loss : float64 [J]
-            Of the applied force, and by the structure's own damping.
+            Of the excitation, less what the base does by the particles' momentum p; and by the structure's own damping.
         """
-        force = applied_force(case, mount, step)
-        acceleration = real(0.0)
+        force, base = excitation(case, mount, step)
+        acceleration = base
         force_work = wp.float64(0.0)
         loss = wp.float64(0.0)
         for r in range(case.first_mode, case.first_mode + case.modes):
             mode = mount.modes[r]
             before = mode.velocity
-            push = mode.amplitude * (force + reaction) - mode.stiffness * mode.position
+            push = mode.amplitude * (force + reaction) - mode.participation * base - mode.stiffness * mode.position
             after = (before * (real(1.0) - h * mode.damping) + h * push) / (real(1.0) + h * mode.damping)
             mean = real(0.5) * (before + after)
             acceleration += mode.amplitude * (after - before) / h
-            force_work += wp.float64(mode.amplitude * mean * force * h)
+            carried = mode.participation + case.particle_mass * mode.amplitude
+            force_work += wp.float64((mode.amplitude * force - carried * base) * mean * h)
             loss += wp.float64(real(2.0) * mode.damping * mean * mean * h)
             mount.modes[r].velocity = after
             mount.modes[r].position = mode.position + drift * after
-        return acceleration, force_work, loss
+        return acceleration, base, force_work, loss
 
     @wp.func
     def modal_energy(case: Case, mount: Mount, offset: real):

@@ -9,13 +9,13 @@ import pytest
 import xarray as xr
 from scipy.signal import lsim
 
-from warpdamp import ConfigError, load
+from warpdamp import ConfigError, fits, load
 from warpdamp.config.coupled import RandomConfig, SweptConfig
 from warpdamp.coupled import forces
-from warpdamp.coupled.run import _runs, accelerance_from_records, simulate
+from warpdamp.coupled.response import averaged
+from warpdamp.coupled.run import _runs, simulate
 from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
-from warpdamp.numerics import regression as fits
 
 HEAVY = """
 structure:
@@ -52,18 +52,20 @@ def test_a_swept_sine_and_noise_are_what_they_say():
 def test_a_recorded_force(tmp_path):
     file = tmp_path / "force.csv"
     file.write_text("time_s, force_N\n0, 1\n0.1, 2\n0.2, -1\n")
-    samples, step = forces.recorded(file)
-    assert (samples == [1, 2, -1]).all()
+    samples, step = forces.recorded(file, {"force_N": 1.0})
+    assert (samples == [1, 2, -1, 0]).all()
     assert step == pytest.approx(0.1)
     for text, message in (
         ("t, f\n0, 1\n", "columns must be time_s and force_N, got t, f"),
         ("time_s, force_N\n0, 1\n0.1, x\n", r"force.csv:3: time_s and force_N must be numbers"),
         ("time_s, force_N\n0, 1\n0.1, 1\n0.3, 1\n", "evenly spaced: resample"),
         ("time_s, force_N\n0, 1\n", "at least two rows"),
+        ("time_s, force_N\n0, 0\n1, 0\n", "zero throughout"),
+        ("time_s, force_N, mass_kg\n0, 1, 2\n", "got time_s, force_N, mass_kg"),
     ):
         file.write_text(text)
         with pytest.raises(ValueError, match=message):
-            forces.recorded(file)
+            forces.recorded(file, {"force_N": 1.0})
 
 
 def test_the_accelerance_of_a_linear_oscillator():
@@ -80,7 +82,7 @@ def test_the_accelerance_of_a_linear_oscillator():
     blow = np.where(time < 0.008, np.sin(np.pi * time / 0.008), 0.0)
     for samples, sample_step, pieces in ((swept, own, 1), (noise, other, 15), (blow, step, 1)):
         force = np.interp(time, np.arange(len(samples)) * sample_step, samples)
-        frequency, found = accelerance_from_records([(force, lsim(system, force, time)[1])], step, pieces)
+        frequency, found = averaged([(force, lsim(system, force, time)[1])], step, pieces)
         near = (frequency > 38) & (frequency < 42)
         s = 2j * np.pi * frequency[near]
         exact = phi**2 * s**2 / (s**2 + 2 * zeta * w * s + w**2)
@@ -180,7 +182,7 @@ def test_the_command(write, tmp_path):
         (
             "",
             "coupled: {duration: 0.1 s, harmonic: {amplitude: 1 N, frequency: 40 Hz}}",
-            "at least 20 cycles of the force",
+            "at least 20 cycles of it",
         ),
         ("", "coupled: {duration: 1 s, swept: {amplitude: 1 N, form: 1 Hz, to: 2 Hz}}", "did you mean 'from'"),
     ],

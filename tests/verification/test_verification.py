@@ -2,13 +2,14 @@
 
 import pytest
 
-from verification import dampers, impacts, invariances, motion
+from verification import dampers, impacts, invariances, motion, structures
 from verification.suite import CASES
 
 assert dampers
 assert impacts
 assert invariances
 assert motion
+assert structures
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case.title for case in CASES])

@@ -61,7 +61,7 @@ def over_packings(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.Data
 
 
 def worst_status(dataset: xr.Dataset) -> xr.DataArray:
-    """Largest ``status`` among the packings of every point.
+    """Largest ``status`` among the packings of every point, and among its dampers where there are several.
 
     Parameters
     ----------
@@ -71,10 +71,10 @@ def worst_status(dataset: xr.Dataset) -> xr.DataArray:
     Returns
     -------
     xarray.DataArray
-        Numbers of ``warpdamp.status.Status``, without the dimension ``seed``.
+        Numbers of ``warpdamp.status.Status``, without the dimensions ``seed`` and ``damper``.
     """
     status = dataset["status"]
-    return status.max("seed") if "seed" in status.dims else status
+    return status.max([dim for dim in ("seed", "damper") if dim in status.dims])
 
 
 def ran(dataset: xr.Dataset) -> xr.DataArray:

@@ -11,6 +11,7 @@ from ..errors import UsageError
 from .common import ConfigArgument, one_line_errors, progress, save_as_asked, writable
 
 if TYPE_CHECKING:
+    from ..config.study import Config
     from ..modal.modes import Modes
 
 MOST_REFUSED = 12
@@ -36,12 +37,20 @@ def modes(
         from ..config.build import particle_mass
         from ..modal.from_config import modes as structure_modes
         from ..report.tables import modes_table
+        from ..study.several import every_damper, modes_of_all
         from ..sweep.cases import Cases
         from ..sweep.load import load
 
         checked = load(config)
         if checked.structure is None:
             raise checked.error("structure", "missing: there are no modes without a structure")
+        if checked.dampers:
+            alone = every_damper(checked)
+            seen = modes_of_all(checked, alone)
+            _show_dampers(alone, seen)
+            if output:
+                _write_modes(seen[0], output, checked.title)
+            return
         configs = [point.config for point in Cases(checked).points() if point.config]
         masses = {particle_mass(single) for single in configs}
         if not checked.structure.particles_included:
@@ -53,6 +62,21 @@ def modes(
     for particles, loaded in modes_by_mass.items():
         console.print(f"with {1e3 * particles:.2f} g of particles", highlight=False)
         console.print(modes_table(loaded))
+
+
+def _show_dampers(alone: list[Config], seen: list[Modes]) -> None:
+    """The modes with the particles of several dampers, as each of these sees them."""
+    from rich.console import Console
+
+    from ..config.build import particle_mass
+    from ..report.tables import modes_table
+
+    masses = [particle_mass(config) for config in alone]
+    console = Console()
+    for k, modes in enumerate(seen, 1):
+        own, total = 1e3 * masses[k - 1], 1e3 * sum(masses)
+        console.print(f"at damper {k}, which holds {own:.2f} g of {total:.2f} g of particles", highlight=False)
+        console.print(modes_table(modes))
 
 
 def _write_modes(modes: Modes, path: Path, title: str) -> None:
@@ -73,7 +97,7 @@ def coupled(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")] = Path("results"),
     workers: Annotated[int | None, typer.Option(min=1, help="Processes (default: all cores).")] = None,
 ) -> None:
-    """Let the structure answer: a force on it, or its release, with the particles in the loop."""
+    """Let the structure answer: a force on it, its base's motion or its release, with the particles in the loop."""
     with one_line_errors():
         from ..analysis.results import write
         from ..coupled.run import simulate
@@ -89,6 +113,8 @@ def coupled(
         path = output / f"{config.stem}-coupled.nc"
         write(runs, path)
         save(answers(runs), path.with_suffix(".png"))
+    if "left_out" in runs.attrs:
+        print(runs.attrs["left_out"])
     lost = runs["particle_loss"] + runs["structure_loss"]
     print(
         f"particles took {100 * float((runs['particle_loss'] / lost).mean()):.3g} % of the energy lost; energy of "

@@ -1,16 +1,64 @@
-"""The ``coupled`` section of the configuration: a force on the structure, or its release."""
+"""The ``coupled`` section of the configuration: a force on the structure, the motion of its base, or its release."""
 
 from __future__ import annotations
 
-from typing import Annotated
+import itertools
+import re
+from typing import Annotated, Any
 
-from pydantic import ConfigDict, Field, StrictInt, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, StrictInt, WithJsonSchema, model_validator
 
+from ..scene.scene import STANDARD_GRAVITY
 from .base import POSITIVE, Model
-from .quantities import Frequency, Number, Time, quantity
+from .messages import suggestion
+from .quantities import Frequency, Number, Time, quantity, to_si
+from .spectra import SPECTRA
 
 Newtons = Annotated[quantity("N"), POSITIVE]
 Hertz = Annotated[Frequency, POSITIVE]
+Gamma = Annotated[Number, POSITIVE]
+Seed = Annotated[StrictInt, Field(ge=0)]
+
+_IN_G = re.compile(r"^(.*?)\s*g(?:\^2|\*\*2|²)\s*/\s*Hz\s*$")
+
+
+def _acceleration_density(value: Any) -> float:
+    """A density in g^2/Hz (g, not gram), or as any other quantity, in (m/s^2)^2/Hz."""
+    in_g = _IN_G.match(value) if isinstance(value, str) else None
+    return to_si(in_g[1], "") * STANDARD_GRAVITY**2 if in_g else to_si(value, "m^2/s^3")
+
+
+AccelerationDensity = Annotated[
+    float,
+    BeforeValidator(_acceleration_density),
+    POSITIVE,
+    WithJsonSchema({"type": ["number", "string"], "description": "'0.04 g^2/Hz', or a number in (m/s^2)^2/Hz"}),
+]
+ForceDensity = Annotated[quantity("N^2/Hz"), POSITIVE]
+
+
+def _named(value: Any) -> Any:
+    """Breakpoints of a spectrum that is called by its name."""
+    if not isinstance(value, str):
+        return value
+    if value not in SPECTRA:
+        raise ValueError(f"there is no spectrum '{value}'{suggestion(value, SPECTRA)}; or give {_SHOWN}")
+    return [[frequency, f"{density} g^2/Hz"] for frequency, density in SPECTRA[value].breakpoints]
+
+
+def _no_name(value: Any) -> Any:
+    if isinstance(value, str):
+        raise ValueError(f"'{value}' is of no force: named spectra are of a base's acceleration (base); {_OF_FORCE}")
+    return value
+
+
+_SHOWN = "its breakpoints, as [[20 Hz, 0.01 g^2/Hz], [80 Hz, 0.04 g^2/Hz]]"
+_OF_FORCE = "give breakpoints, as [[20 Hz, 0.01 N^2/Hz], [80 Hz, 0.04 N^2/Hz]]"
+
+
+def _rising(table: list[tuple[float, float]]) -> None:
+    if any(low >= high for (low, _), (high, _) in itertools.pairwise(table)):
+        raise ValueError("spectrum: give its breakpoints in the order of their frequencies, each once")
 
 
 class Band(Model):
@@ -35,39 +83,108 @@ class SweptConfig(Band):
     amplitude: Newtons
 
 
-class RandomConfig(Band):
-    """Random force: normal noise with a flat spectrum in a band; equal for equal seeds."""
+class RandomConfig(Model):
+    """Random force: normal noise, equal for equal seeds, flat in a band or of a power spectral density [N^2/Hz]."""
 
-    rms: Newtons
-    seed: Annotated[StrictInt, Field(ge=0)] = 1
+    model_config = ConfigDict(populate_by_name=True)
+
+    rms: Newtons | None = None
+    from_: Hertz | None = Field(None, alias="from")
+    to: Hertz | None = None
+    spectrum: Annotated[list[tuple[Hertz, ForceDensity]], BeforeValidator(_no_name), Field(min_length=2)] | None = None
+    seed: Seed = 1
 
     @model_validator(mode="after")
-    def _rising(self):
-        if self.to <= self.from_:
+    def _one_kind(self):
+        given = [name for name in ("rms", "from", "to") if getattr(self, "from_" if name == "from" else name)]
+        if self.spectrum and given:
+            raise ValueError(f"spectrum: says all that {' and '.join(given)} would: give one of the two")
+        if not self.spectrum and len(given) < 3:
+            raise ValueError("give rms, from and to, or a spectrum")
+        if self.spectrum:
+            _rising(self.spectrum)
+        elif self.to <= self.from_:
             raise ValueError("to: must be above from")
         return self
 
 
 class RecordedConfig(Model):
-    """Recorded force: a CSV file with the columns time_s and force_N, evenly spaced from time 0."""
+    """Recorded signal: a CSV file, evenly spaced from time 0, with the column time_s, and force_N or an acceleration.
+
+    The acceleration of a base is called acceleration_m_s2 or acceleration_g.  After the record there is nothing more.
+    """
 
     file: str
+
+
+class BaseAmplitude(Model):
+    """Acceleration amplitude gamma g of a base."""
+
+    gamma: Gamma
+
+    @property
+    def amplitude(self) -> float:
+        """Of the acceleration [m/s^2]."""
+        return self.gamma * STANDARD_GRAVITY
+
+
+class BaseHarmonicConfig(BaseAmplitude):
+    """Acceleration gamma g sin(2 pi f t) of the base."""
+
+    frequency: Hertz
+
+
+class BaseSweptConfig(BaseAmplitude, Band):
+    """A sine whose frequency goes from one to the other at a constant rate; acceleration amplitude gamma g."""
+
+
+class BaseRandomConfig(Model):
+    """Normal noise of a power spectral density: breakpoints in g^2/Hz, or the name of a standard's."""
+
+    spectrum: Annotated[list[tuple[Hertz, AccelerationDensity]], BeforeValidator(_named), Field(min_length=2)]
+    seed: Seed = 1
+
+    @model_validator(mode="after")
+    def _in_order(self):
+        _rising(self.spectrum)
+        return self
 
 
 class ReleaseConfig(Model):
     """Release at rest from where free vibration of one mode would have the acceleration amplitude gamma g."""
 
-    gamma: Annotated[Number, POSITIVE]
+    gamma: Gamma
     mode: Annotated[StrictInt, Field(ge=1)]
 
 
-FORCES = ("harmonic", "swept", "random", "recorded")
+SIGNALS = ("harmonic", "swept", "random", "recorded")
+
+
+def _one_of(model: Model, names: tuple[str, ...]) -> None:
+    given = [name for name in names if getattr(model, name) is not None]
+    if len(given) != 1:
+        said = f"{', '.join(names[:-1])} and {names[-1]}"
+        raise ValueError(f"give exactly one of {said}; got {' and '.join(given) or 'none of them'}")
+
+
+class BaseConfig(Model):
+    """How the base that holds the structure moves, along the direction of the excitation."""
+
+    harmonic: BaseHarmonicConfig | None = None
+    swept: BaseSweptConfig | None = None
+    random: BaseRandomConfig | None = None
+    recorded: RecordedConfig | None = None
+
+    @model_validator(mode="after")
+    def _one_signal(self):
+        _one_of(self, SIGNALS)
+        return self
 
 
 class CoupledConfig(Model):
-    """Coupled runs, in which the structure answers: exactly one force, or a release.
+    """Coupled runs, in which the structure answers: exactly one force, the motion of its base, or a release.
 
-    ``levels`` multiply the force, or the release: a run each.
+    ``levels`` multiply the force, the base's acceleration, or the release: a run each.
     """
 
     duration: Annotated[Time, POSITIVE]
@@ -75,20 +192,25 @@ class CoupledConfig(Model):
     swept: SweptConfig | None = None
     random: RandomConfig | None = None
     recorded: RecordedConfig | None = None
+    base: BaseConfig | None = None
     release: ReleaseConfig | None = None
     levels: Annotated[list[Annotated[Number, POSITIVE]], Field(min_length=1)] = [1.0]  # noqa: RUF012 - frozen
 
     @property
+    def signals(self) -> CoupledConfig | BaseConfig:
+        """Where the signal that moves the structure stands: beside ``base``, or in it."""
+        return self.base or self
+
+    @property
     def source(self) -> str:
-        """Key that says what moves the structure."""
-        return next(name for name in (*FORCES, "release") if getattr(self, name) is not None)
+        """Key that says what moves the structure, as ``release`` or ``base.harmonic``."""
+        names = (*SIGNALS, "release") if self.base is None else SIGNALS
+        key = next(name for name in names if getattr(self.signals, name) is not None)
+        return key if self.base is None else f"base.{key}"
 
     @model_validator(mode="after")
     def _one_source(self):
-        given = [name for name in (*FORCES, "release") if getattr(self, name) is not None]
-        if len(given) != 1:
-            names = f"{', '.join(FORCES)} and release"
-            raise ValueError(f"give exactly one of {names}; got {' and '.join(given) or 'none of them'}")
+        _one_of(self, (*SIGNALS, "base", "release"))
         if len(set(self.levels)) < len(self.levels):
             raise ValueError("levels: each level once")
         return self

@@ -172,13 +172,13 @@ class DamperConfig(Model):
         """Components of the mixture, one or more."""
         return self.particles if isinstance(self.particles, list) else [self.particles]
 
-    def materials(self) -> dict[str, str]:
-        """Names of the materials, by the keys that name them."""
+    def materials(self, place: str = "damper") -> dict[str, str]:
+        """Names of the materials, by the keys that name them, below the damper's own (``place``)."""
         keys = (
             [f"particles.{k}" for k in range(len(self.mixture))] if isinstance(self.particles, list) else ["particles"]
         )
-        named = {f"damper.{key}.material": part.material for key, part in zip(keys, self.mixture, strict=True)}
-        return {"damper.enclosure.material": self.enclosure.material, **named}
+        named = {f"{place}.{key}.material": part.material for key, part in zip(keys, self.mixture, strict=True)}
+        return {f"{place}.enclosure.material": self.enclosure.material, **named}
 
     @model_validator(mode="after")
     def _fits(self):

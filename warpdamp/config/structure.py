@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, StrictInt, model_validator
 
 from .base import NOT_NEGATIVE, POSITIVE, Model
+from .damper import DamperConfig
 from .quantities import Frequency, Length, Mass, Number, quantity
 
 Support = Literal["clamped", "pinned", "free"]
@@ -15,6 +16,7 @@ Direction = Literal["x", "y", "z"] | Annotated[list[Number], Field(min_length=3,
 MeshUnit = Annotated[Length, POSITIVE]
 ModeNumber = Annotated[StrictInt, Field(ge=1)]
 Damping = Annotated[Number, Field(ge=0, lt=1)]
+Participation = quantity("kg^0.5")
 
 
 class SectionConfig(Model):
@@ -97,14 +99,45 @@ class PointMassConfig(Model):
     footprint: Annotated[Length, POSITIVE] | None = None
 
 
+class FurtherDamperConfig(DamperConfig):
+    """A damper beside the first one, with a filling of its own; and where it sits, by exactly one of these keys.
+
+    ``point_mass``: on computed modes, the empty damper; ``node`` or ``position``: on modes from a file;
+    ``amplitude``: on modes given in numbers, the mass-normalised shape of each mode there, with its sign.
+    """
+
+    point_mass: PointMassConfig | None = None
+    node: StrictInt | None = None
+    position: Annotated[list[Length], Field(min_length=3, max_length=3)] | None = None
+    amplitude: Annotated[list[quantity("kg^-0.5")], Field(min_length=1)] | None = None
+
+    @property
+    def place(self) -> str:
+        """The key that says where it sits."""
+        return next(name for name in PLACES if getattr(self, name) is not None)
+
+    @model_validator(mode="after")
+    def _one_place(self):
+        if sum(getattr(self, name) is not None for name in PLACES) != 1:
+            raise ValueError(f"say where the damper sits, by one of {', '.join(PLACES)}")
+        return self
+
+
+PLACES = ("point_mass", "node", "position", "amplitude")
+
+
 class ModeFileConfig(Model):
-    """Modes from a file (UFF, CSV, Nastran's .f06 or .pch, Ansys's .rst), and where on it the damper sits."""
+    """Modes from a file (UFF, CSV, Nastran's .f06 or .pch, Ansys's .rst), and where on it the damper sits.
+
+    ``participation``: one factor for each of them, positive where base and damper move the same way.
+    """
 
     file: str
     node: StrictInt | None = None
     position: Annotated[list[Length], Field(min_length=3, max_length=3)] | None = None
     direction: Direction = "z"
     modal_mass: Annotated[Mass, POSITIVE] | list[Annotated[Mass, POSITIVE]] | None = None
+    participation: list[Participation] | None = None
     units: Literal["SI", "BG", "MG", "BA", "MM", "CM", "IN", "GM", "MM-N"] | None = None
 
     @model_validator(mode="after")
@@ -115,12 +148,16 @@ class ModeFileConfig(Model):
 
 
 class GivenModeConfig(Model):
-    """A mode in numbers: its shape at the damper as modal mass 1 / phi^2 or as amplitude phi."""
+    """A mode in numbers: its shape at the damper as modal mass 1 / phi^2 or as amplitude phi.
+
+    ``participation``: Gamma = phi^T M d, of a base that moves along the excitation.
+    """
 
     frequency: Annotated[Frequency, POSITIVE]
     modal_mass: Annotated[Mass, POSITIVE] | None = None
     amplitude: Annotated[quantity("kg^-0.5"), POSITIVE] | None = None
     damping: Damping = 0.0
+    participation: Participation | None = None
     number: ModeNumber | None = None
 
     @model_validator(mode="after")
@@ -231,8 +268,28 @@ NEEDED = {
     "point_mass": "the empty damper's mass and position, as {mass: 200 g, position: 290 mm}",
     "modes": "the numbers of the modes to damp, as [1, 3]",
 }
+PLACE_OF = {"mode_file": ("node", "position"), "modes_given": ("amplitude",)}
+"""How a further damper says where it sits, by the source of the modes; on computed ones as ``point_mass``."""
 COORDINATES = {"beam": 1, "plate": 2, "mesh": 3}
 SHOWN = {1: "290 mm", 2: "[100 mm, 50 mm]", 3: "[100 mm, 50 mm, 2 mm]"}
+
+
+def check_further(structure: StructureConfig, place: str, damper: FurtherDamperConfig) -> None:
+    """A further damper says where it sits as its structure calls for.
+
+    Raises
+    ------
+    ValueError
+        That begins with the key at fault, below ``place``.
+    """
+    known = PLACE_OF.get(structure.source, ("point_mass",))
+    if damper.place not in known:
+        raise ValueError(f"{place}.{damper.place}: on structure.{structure.source} give {' or '.join(known)} instead")
+    if damper.point_mass:
+        _check_place(structure, f"{place}.point_mass", damper.point_mass)
+    if damper.amplitude and len(damper.amplitude) != len(structure.modes_given):
+        count = f"{len(damper.amplitude)} values for {len(structure.modes_given)} modes"
+        raise ValueError(f"{place}.amplitude: {count} of structure.modes_given")
 
 
 def _check_place(structure: StructureConfig, place: str, mass: PointMassConfig) -> None:

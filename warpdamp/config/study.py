@@ -20,7 +20,7 @@ from .coupled import CoupledConfig
 from .damper import WALLS, ContactConfig, DamperConfig, EffectsConfig, ExcitationConfig, MaterialConfig, between
 from .messages import keys, place, printable, suggestion
 from .quantities import Number, Time
-from .structure import StructureConfig
+from .structure import FurtherDamperConfig, StructureConfig, check_further
 from .sweep import SweepConfig
 
 
@@ -72,6 +72,7 @@ class Config(Model):
     title: str = "Granular damper"
     structure: StructureConfig | None = None
     damper: DamperConfig
+    dampers: list[FurtherDamperConfig] = Field([])
     materials: Annotated[
         dict[Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_-]*$")], MaterialConfig], Field(min_length=1)
     ]
@@ -113,6 +114,8 @@ class Config(Model):
     @model_validator(mode="after")
     def _consistent(self):
         named = self.damper.materials()
+        for k, damper in enumerate(self.dampers):
+            named |= damper.materials(f"dampers.{k}")
         material = self.structure.material if self.structure else None
         if material:
             named[f"structure.{self.structure.source}.material"] = material
@@ -131,17 +134,37 @@ class Config(Model):
             raise ValueError("preparation: a bed cannot be compacted without gravity; set preparation: loose")
         if len(set(self.seeds)) < len(self.seeds):
             raise ValueError("seeds: each seed once")
-        grains = [p.material for p in self.damper.mixture]
+        self._check_dampers()
+        grains = [p.material for damper in (self.damper, *self.dampers) for p in damper.mixture]
         for key in self.contact.pairs:
             for name in between(key):
                 if name != WALLS and name not in grains:
                     raise ValueError(f"contact.pairs.{key}: there are no particles of '{name}'")
-        for name, missing in self.damper.enclosure.open_towards(self.excitation.gravity_direction).items():
-            if missing and 0 not in gravities:
-                raise ValueError(f"damper.enclosure.{name}: gravity draws the particles out where there is no {name}")
+        cavities = {"damper": self.damper} | {f"dampers.{k}": damper for k, damper in enumerate(self.dampers)}
+        for cavity, damper in cavities.items():
+            for name, missing in damper.enclosure.open_towards(self.excitation.gravity_direction).items():
+                if missing and 0 not in gravities:
+                    raise ValueError(
+                        f"{cavity}.enclosure.{name}: gravity draws the particles out where there is no {name}"
+                    )
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
             raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
         return self
+
+    def _check_dampers(self):
+        """Several dampers sit on one structure, and are shaken at its modes as hard as each one's place moves."""
+        if not self.dampers:
+            return
+        if not self.structure:
+            raise ValueError("dampers: several dampers need a structure that they sit on")
+        for k, damper in enumerate(self.dampers):
+            check_further(self.structure, f"dampers.{k}", damper)
+        if self.excitation.frequency != "modes":
+            raise ValueError("excitation.frequency: several dampers are shaken at the structure's modes: leave it out")
+        if self.sweep:
+            raise ValueError("sweep: is for one damper: run one combination of several dampers at a time")
+        if self.preparation == "carried":
+            raise ValueError("preparation: 'carried' is for one damper: several take loose or compacted beds")
 
 
 PRESETS = {"fast": 0.05, "balanced": 0.03, "reference": 0.02}

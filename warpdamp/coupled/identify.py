@@ -36,8 +36,13 @@ class Identified:
 
 def mount_of(modes: Modes, damping, **start) -> Mount:
     """Mount of modes without particles, with their inherent damping ratios; ``start`` as of ``Mount``."""
+    gammas = () if modes.participation is None else modes.participation @ np.asarray(modes.direction)
     return Mount(
-        tuple(map(float, modes.frequency)), tuple(map(float, damping)), tuple(map(float, modes.amplitude)), **start
+        tuple(map(float, modes.frequency)),
+        tuple(map(float, damping)),
+        tuple(map(float, modes.amplitude)),
+        participation=tuple(map(float, gammas)),
+        **start,
     )
 
 
@@ -47,32 +52,33 @@ def first_harmonic(time, values, frequency: float) -> complex:
 
 
 def from_response(records: np.ndarray, mount: Mount, cycles: int) -> list[Identified]:
-    """Identify a mode from its steady response to a harmonic force, window by window.
+    """Identify a mode from its steady response to a harmonic signal, window by window.
 
-    The receptance X / F = phi^2 / (w_n^2 - w^2 + 2 j zeta w_n w) of an equivalent linear mode is solved for w_n and
-    zeta; where a transient has no such mode they are NaN.  Early windows are of the transient: the reader chooses.
+    X / S = phi load / (w_n^2 - w^2 + 2 j zeta w_n w) of an equivalent linear mode is solved for w_n and zeta; where a
+    transient has no such mode they are NaN.  Early windows are of the transient: the reader chooses.
 
     Parameters
     ----------
     records : (n, 4) array
         See ``Batch.records``.
     mount : Mount
-        Of one mode, with a harmonic force.
+        Of one mode, with a harmonic force or base motion.
     cycles : to a window
     """
-    force, phi = mount.force, mount.amplitude[0]
-    w = 2 * math.pi * force.frequency
-    applied = -1j * force.amplitude  # A sin(w t) = Re(-j A exp(j w t))
-    number = np.floor(records[:, 0] * force.frequency / cycles + 1e-9).astype(int)
+    signal, scale = mount.excitation, mount.amplitude[0] * mount.load[0]
+    w = 2 * math.pi * signal.frequency
+    applied = -1j * signal.amplitude  # A sin(w t) = Re(-j A exp(j w t))
+    number = np.floor(records[:, 0] * signal.frequency / cycles + 1e-9).astype(int)
     end = records[-1, 0] + records[1, 0] - records[0, 0]
     found = []
-    for k in range(int(end * force.frequency / cycles + 1e-6)):
+    for k in range(int(end * signal.frequency / cycles + 1e-6)):
         window = records[number == k]
-        place = first_harmonic(window[:, 0], window[:, 1], force.frequency)
-        stiffness = phi**2 * applied / place  # w_n^2 - w^2 + 2 j zeta w_n w
+        place = first_harmonic(window[:, 0], window[:, 1], signal.frequency)
+        stiffness = scale * applied / place  # w_n^2 - w^2 + 2 j zeta w_n w
         squared = w**2 + stiffness.real
         natural = math.sqrt(squared) if squared > 0 else math.nan
-        gamma = abs(place) * w**2 / STANDARD_GRAVITY
+        acceleration = -(w**2) * place + (applied if mount.base else 0.0)
+        gamma = abs(acceleration) / STANDARD_GRAVITY
         found.append(Identified(gamma, natural / (2 * math.pi), stiffness.imag / (2 * natural * w)))
     return found
 

@@ -160,6 +160,7 @@ class Batch:
             **mounts.add(scene.mount, case.dt, self._max_records),
             "particle_radius": radius,
             "particle_curvature": 1 / radius,
+            "particle_mass": float(np.sum(scene.masses(state))),
             "inverse_mass": 1 / mass,
             "inverse_inertia": inverse_sphere_inertia(mass, radius),
         }

@@ -10,13 +10,15 @@ import warp as wp
 from ..scene.scene import Mount
 from .device import DEVICE
 
+AT_REST = {"excitation": 0.0, "base_moves": 0, "samples": 0}
+
 
 class Mounts:
-    """Modes, forces and records of a batch's host structures, collected for the device."""
+    """Modes, excitations and records of a batch's host structures, collected for the device."""
 
     def __init__(self):
         self.modes: list[dict[str, float]] = []
-        self.force: list[float] = []
+        self.signal: list[float] = []
         self.records = 0
 
     def add(self, mount: Mount | None, dt: float, most_records: int) -> dict:
@@ -29,23 +31,26 @@ class Mounts:
         dt : [s]
         most_records : int
         """
-        fields = {"first_mode": len(self.modes), "first_sample": len(self.force), "first_record": self.records}
+        fields = {"first_mode": len(self.modes), "first_sample": len(self.signal), "first_record": self.records}
         if mount is None:
-            return fields | {"modes": 0, "force": 0.0, "samples": 0, "sample_step": dt, "record": 0, "records": 0}
-        for f, zeta, phi, q, v in zip(
-            mount.frequency, mount.damping, mount.amplitude, mount.position, mount.velocity, strict=True
+            return fields | {"modes": 0, **AT_REST, "sample_step": dt, "record": 0, "records": 0}
+        gammas = mount.participation if mount.base else (0.0,) * len(mount.frequency)
+        for f, zeta, phi, gamma, q, v in zip(
+            mount.frequency, mount.damping, mount.amplitude, gammas, mount.position, mount.velocity, strict=True
         ):
             w = 2 * math.pi * f
-            self.modes.append({"stiffness": w**2, "damping": zeta * w, "amplitude": phi, "position": q, "velocity": v})
-        force = mount.force
-        samples = [] if force is None or force.samples is None else np.asarray(force.samples, float).tolist()
-        self.force += samples
+            shape = {"stiffness": w**2, "damping": zeta * w, "amplitude": phi, "participation": gamma}
+            self.modes.append(shape | {"position": q, "velocity": v})
+        signal = mount.excitation
+        samples = [] if signal is None or signal.samples is None else np.asarray(signal.samples, float).tolist()
+        self.signal += samples
         self.records += most_records if mount.record else 0
         return fields | {
             "modes": len(mount.frequency),
-            "force": force.amplitude if force else 0.0,
+            "excitation": signal.amplitude if signal else 0.0,
+            "base_moves": int(mount.base is not None),
             "samples": len(samples),
-            "sample_step": force.sample_step if samples else dt,
+            "sample_step": signal.sample_step if samples else dt,
             "record": mount.record,
             "records": most_records if mount.record else 0,
         }
@@ -59,6 +64,6 @@ class Mounts:
             for name in modes.dtype.names:
                 modes[name] = [mode[name] for mode in self.modes]
             mount.modes = wp.array(modes, dtype=types.Mode, device=device)
-            mount.force = wp.array(self.force or [0.0], dtype=types.real, device=device)
+            mount.signal = wp.array(self.signal or [0.0], dtype=types.real, device=device)
             mount.records = wp.full(max(1, self.records), wp.vec3d(math.nan), dtype=wp.vec3d, device=device)
         return mount

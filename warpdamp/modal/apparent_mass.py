@@ -206,8 +206,10 @@ class ComplexMass:
         Raises
         ------
         ModalError
-            If the Dataset has swept scalars left, or fewer than two Gammas.
+            If the Dataset has swept scalars left, fewer than two Gammas, or several dampers.
         """
+        if "damper" in dataset.dims:
+            raise ModalError("these are results of several dampers, which have no one mass: give those of one damper")
         swept = [d for d in dataset["apparent_mass"].dims if d not in ("frequency", "gamma", "seed")]
         if swept:
             first = {d: dataset[d].values[0].item() for d in swept}

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import diags, eye, kron, vstack
 
 from ..scene.scene import Material
-from .eigenmodes import Attached, Elastic, elastic_modes, turned
+from .eigenmodes import Attached, Elastic, elastic_modes, participation, turned
 from .extrusion import Carried, swept
 from .fem import Solid, extruded, graded, integrals
 from .mesh_error import swept_error
@@ -89,9 +89,9 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
     masses = (damper, *beam.masses)
     shared = 4 if beam.section.quarter else 1
     if beam.section.quarter:
-        station, read, squares, vectors, error = _of_a_quarter(beam, section, masses, highest)
+        station, read, squares, vectors, gamma, error = _of_a_quarter(beam, section, masses, highest)
     else:
-        station, read, squares, vectors, error = _of_a_mesh(beam, section, masses, highest)
+        station, read, squares, vectors, gamma, error = _of_a_mesh(beam, section, masses, highest)
     modes = Modes(
         number=np.arange(1, highest + 1),
         frequency=np.sqrt(squares) / (2 * np.pi),
@@ -99,12 +99,13 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
         shape=np.stack([(mean @ vectors).T for mean in read[:3]], axis=2) / math.sqrt(shared),
         inherent_damping=np.zeros(highest),
         mesh_error=error,
+        participation=math.sqrt(shared) * gamma,
     )
     return modes.at((damper.position, 0, 0), np.eye(3)[axis])
 
 
 def _of_a_quarter(beam: Beam, section, masses, highest: int):
-    """Planes [m], what reads their motion, squares, vectors and no error of a beam that a quarter stands for."""
+    """Planes [m], what reads their motion, squares, vectors, participation, no error: of a beam, by a quarter of it."""
     axis = BENDS[beam.bends]
     solid, station = _supported(beam, section, masses)
     solid = _bending_only(solid, axis)
@@ -112,7 +113,9 @@ def _of_a_quarter(beam: Beam, section, masses, highest: int):
     rows = [kron(np.eye(3)[along], kron(eye(len(station)), weights), format="csr") for along, weights, _ in carried]
     rows = [0 * mean if along != axis else mean for along, mean in enumerate(rows[:3])] + rows[3:]
     of_line = _line_mass(beam, section, station)
-    return station, rows, *_bending_modes(solid, rows, carried, of_line, axis, highest, 1), None
+    squares, vectors = _bending_modes(solid, rows, carried, of_line, axis, highest, 1)
+    gamma = participation(solid, _attached(rows, carried), vectors) * np.eye(3)[axis]  # the others' quarters cancel
+    return station, rows, squares, vectors, gamma, None
 
 
 def _of_a_mesh(beam: Beam, section, masses, highest: int):
@@ -136,7 +139,9 @@ def _of_a_mesh(beam: Beam, section, masses, highest: int):
     coefficients = reduced.coefficients(found.vectors)
     breaks = [mass.position for mass in masses]
     error = swept_error(section, stations, breaks, beam.material, found.squares, reduced.functions, coefficients)
-    return station, rows(reduced), found.squares, found.vectors, error + found.rest / 2
+    read = rows(reduced)
+    gamma = participation(reduced, _attached(read, carried), found.vectors)
+    return station, read, found.squares, found.vectors, gamma, error + found.rest / 2
 
 
 def _bending_modes(solid: Elastic, rows, carried, of_line, axis: int, highest: int, families: int):
@@ -152,7 +157,7 @@ def _bending_modes(solid: Elastic, rows, carried, of_line, axis: int, highest: i
     highest : number of the highest mode
     families : of modes that lie between, those of bending included
     """
-    attached = Attached(vstack(rows, format="csr"), np.concatenate([mass for _, _, mass in carried]))
+    attached = _attached(rows, carried)
     *_, load, inertia = (mass for _, _, mass in carried)
     in_bending = vstack([diags(np.sqrt(of_line + load)) @ rows[axis], diags(np.sqrt(inertia)) @ rows[3]])
 
@@ -162,6 +167,11 @@ def _bending_modes(solid: Elastic, rows, carried, of_line, axis: int, highest: i
         return (squares[found], vectors[:, found]) if len(found) == highest else None
 
     return elastic_modes(solid, attached, select, count=families * highest + 4)
+
+
+def _attached(rows, carried) -> Attached:
+    """The masses that follow what the rows read."""
+    return Attached(vstack(rows, format="csr"), np.concatenate([mass for _, _, mass in carried]))
 
 
 def _line_mass(beam: Beam, section, station) -> np.ndarray:

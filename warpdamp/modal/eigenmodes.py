@@ -104,6 +104,11 @@ def elastic_modes(solid: Elastic, attached: Attached, select: Callable, *, count
             count *= 2
 
 
+def participation(solid: Elastic, attached: Attached, vectors) -> np.ndarray:
+    """(m, 3) factors Gamma = phi^T M d [kg^0.5] of modes (n, m), d a unit displacement of all along x, y or z."""
+    return vectors.T @ ((solid.mass + attached.mass) @ solid.motions[:, :3])
+
+
 def factorised(matrix: spmatrix, node: np.ndarray) -> Callable:
     """Solves with a symmetric positive definite matrix of displacements of the nodes ``node`` (n,).
 

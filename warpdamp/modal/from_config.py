@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -23,14 +24,18 @@ if TYPE_CHECKING:
     from .solid import StandingMass
 
 
-def modes(config: Config, *, particles: float) -> Modes:
+def modes(config: Config, *, particles: float, further: Sequence[float] = ()) -> Modes:
     """Modes of the configured structure carrying ``particles``, those that the configuration asks for.
+
+    They are as the first damper sees them.
 
     Parameters
     ----------
     config : Config
     particles : float
-        Mass of the particles at the damper [kg].
+        Mass of the particles in the first damper [kg].
+    further : sequence of floats
+        Mass of the particles in each of the further dampers [kg] (default: they are empty).
 
     Returns
     -------
@@ -43,7 +48,7 @@ def modes(config: Config, *, particles: float) -> Modes:
     """
     structure = config.structure
     with _placed(config, f"structure.{structure.source}"):
-        every = MAKERS[structure.source](config, particles)
+        every = _with_further(config, particles, further or [0.0] * len(config.dampers))
     with _placed(config, "structure.modes" if structure.modes else f"structure.{structure.source}"):
         found = every.pick(structure.modes or every.dampable)
     if structure.inherent_damping is None:
@@ -52,6 +57,58 @@ def modes(config: Config, *, particles: float) -> Modes:
     if given.ndim and len(given) != len(found.number):
         raise config.error("structure.inherent_damping", f"{len(given)} values for {len(found.number)} modes")
     return replace(found, inherent_damping=np.broadcast_to(given, found.number.shape))
+
+
+def _with_further(config: Config, particles: float, further: Sequence[float]) -> Modes:
+    """All modes of the structure with the particles in each of its dampers."""
+    structure, maker = config.structure, MAKERS[config.structure.source]
+    if structure.computed and config.dampers:
+        masses = [
+            damper.point_mass.model_copy(update={"mass": damper.point_mass.mass + mass})
+            for damper, mass in zip(config.dampers, further, strict=True)
+        ]
+        more = structure.model_copy(update={"other_masses": [*structure.other_masses, *masses]})
+        return maker(config.model_copy(update={"structure": more}), particles)
+    every = maker(config, particles)
+    if structure.particles_included:
+        return every
+    for k, mass in enumerate(further):
+        every = seen_from_further(config, every, k).with_mass(mass).seen_from(every.damper, every.direction)
+    return every
+
+
+def seen_from_further(config: Config, modes: Modes, k: int) -> Modes:
+    """The modes as the further damper number ``k`` sees them.
+
+    Raises
+    ------
+    ValueError
+        If there is no such place.
+    """
+    damper, source = config.dampers[k], config.structure.source
+    if source == "beam":
+        position = damper.point_mass.position
+        return modes.at((position[0] if isinstance(position, list) else position, 0.0, 0.0))
+    if source == "mode_file":
+        return modes.at(damper.position) if damper.node is None else modes.at_label(damper.node)
+    # on plates and meshes the masses, in the modes given in numbers the dampers, are the first of the points
+    row = 1 + k + (len(config.structure.other_masses) if source != "modes_given" else 0)
+    return modes.seen_from(row, modes.direction)
+
+
+def seen_by_all(config: Config, modes: Modes) -> list[Modes]:
+    """The modes as each damper sees them, the first one first.
+
+    Raises
+    ------
+    ConfigError
+        If a place does not exist.
+    """
+    found = [modes]
+    for k in range(len(config.dampers)):
+        with _placed(config, f"dampers.{k}.{config.dampers[k].place}"):
+            found.append(seen_from_further(config, modes, k))
+    return found
 
 
 @contextmanager
@@ -145,6 +202,7 @@ def _mode_file(config: Config, particles: float) -> Modes:
     every = _read_modes(file, own)
     direction = _direction(own.direction)
     seen = every.at(own.position, direction) if own.node is None else every.at_label(own.node, direction)
+    seen = _with_participation(seen, own.participation)
     return seen if config.structure.particles_included else seen.with_mass(particles)
 
 
@@ -167,14 +225,37 @@ def _read_modes(file: Path, own: ModeFileConfig) -> Modes:
 
 def _modes_given(config: Config, particles: float) -> Modes:
     given = config.structure.modes_given
+    elsewhere = [[damper.amplitude[k] for damper in config.dampers] for k in range(len(given))]
     alone = Modes(
         number=np.array([mode.number or k for k, mode in enumerate(given, 1)]),
         frequency=np.array([mode.frequency for mode in given]),
-        point=np.zeros((1, 3)),
-        shape=np.array([[[0.0, 0.0, mode.phi]] for mode in given]),
+        point=np.zeros((1 + len(config.dampers), 3)),
+        shape=np.array(
+            [[[0.0, 0.0, phi] for phi in (mode.phi, *others)] for mode, others in zip(given, elsewhere, strict=True)]
+        ),
         inherent_damping=np.array([mode.damping for mode in given]),
     )
+    gammas = [mode.participation for mode in given]
+    if any(gamma is not None for gamma in gammas):
+        if None in gammas:
+            raise ValueError(f"mode {alone.number[gammas.index(None)]} has no participation, and others have one")
+        alone = _with_participation(alone, gammas)
     return alone if config.structure.particles_included else alone.with_mass(particles)
+
+
+def _with_participation(modes: Modes, given: list[float] | None) -> Modes:
+    """Modes with the participation factors of a base that moves along their direction, where they are given [kg^0.5].
+
+    Raises
+    ------
+    ValueError
+        If there is not one for each mode.
+    """
+    if given is None:
+        return modes
+    if len(given) != len(modes.number):
+        raise ValueError(f"participation: {len(given)} values for {len(modes.number)} modes")
+    return replace(modes, participation=np.outer(given, modes.direction))
 
 
 MAKERS = {

@@ -41,6 +41,8 @@ class Modes:
         Parts by which a mesh lifts the frequencies, about; None where no mesh of the user's stands behind them.
     unmeasured : (q,) array, names of the points of a file at which the shapes are not known
     remark : what was left out of a file, in words; empty where nothing was
+    participation : (m, 3) array [kg^0.5] or None
+        Gamma = phi^T M d of each mode, d the unit displacement of a structure that follows its base along x, y or z.
     """
 
     number: np.ndarray
@@ -54,6 +56,7 @@ class Modes:
     mesh_error: np.ndarray | None = None
     unmeasured: np.ndarray = field(default_factory=lambda: np.empty(0, int))
     remark: str = ""
+    participation: np.ndarray | None = None
 
     @property
     def amplitude(self) -> np.ndarray:
@@ -124,6 +127,7 @@ class Modes:
             inherent_damping=self.inherent_damping[rows],
             mesh_error=None if self.mesh_error is None else self.mesh_error[rows],
             remark=self._left_out(),
+            participation=None if self.participation is None else self.participation[rows],
         )
 
     def _motion(self, rows) -> str:
@@ -194,7 +198,8 @@ class Modes:
             raise ModalError(f"the direction {[*map(float, direction)]} has no length: give x, y, z or a vector")
         unit = tuple(float(c) for c in np.asarray(direction, float) / np.linalg.norm(direction))
         sign = np.where(self.shape[:, damper] @ np.asarray(unit) < 0, -1.0, 1.0)
-        return replace(self, damper=damper, direction=unit, shape=sign[:, None, None] * self.shape)
+        gamma = None if self.participation is None else sign[:, None] * self.participation
+        return replace(self, damper=damper, direction=unit, shape=sign[:, None, None] * self.shape, participation=gamma)
 
     def with_mass(self, mass: float) -> Modes:
         """Modes of the structure with a further point mass [kg] at the damper.
@@ -218,6 +223,7 @@ class Modes:
             frequency=(new / (2 * np.pi))[order],
             shape=np.einsum("rm,rpc->mpc", q, self.shape)[order],
             inherent_damping=damping[order],
+            participation=None if self.participation is None else (q.T @ (self.participation + mass * at))[order],
         )
         return changed.seen_from(self.damper, self.direction)
 

@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from ..errors import ModalError
 from ..scene.scene import Material
 from .clamp import Clamp
-from .eigenmodes import Attached, elastic_modes, turned
+from .eigenmodes import Attached, elastic_modes, participation, turned
 from .fem import Solid, extruded, graded, integrals, meshed
 from .mesh_error import solid_error
 from .mesh_file import load_named
@@ -236,7 +236,7 @@ def _check_volumes(basis, file) -> None:
 
 
 def _modes(solid: Solid, standing, patches, nodes, direction, highest: int, error: Callable | None = None) -> Modes:
-    """Modes of a solid with masses on patches, at the damper (the first of them) and at ``nodes``.
+    """Modes of a solid with masses on patches, at each of these (the damper is the first) and at ``nodes``.
 
     ``error(squares, vectors)`` is what their mesh makes.
     """
@@ -251,13 +251,14 @@ def _modes(solid: Solid, standing, patches, nodes, direction, highest: int, erro
 
     squares, vectors = elastic_modes(solid, attached, select, count=highest + 8)
     of_nodes = vectors.reshape(3, -1, highest)[:, nodes]
-    point = np.column_stack([(solid.place @ patches[0])[:, None], solid.place[:, nodes]])
+    point = np.column_stack([*(solid.place @ patch for patch in patches), solid.place[:, nodes]])
     modes = Modes(
         number=np.arange(1, highest + 1),
         frequency=np.sqrt(squares) / (2 * np.pi),
         point=point.T,
-        shape=np.concatenate([(rows[0] @ vectors)[:, None], of_nodes], axis=1).transpose(2, 1, 0),
+        shape=np.concatenate([np.stack([row @ vectors for row in rows], axis=1), of_nodes], axis=1).transpose(2, 1, 0),
         inherent_damping=np.zeros(highest),
         mesh_error=error and error(squares, vectors),
+        participation=participation(solid, attached, vectors),
     )
     return modes.seen_from(0, direction)

@@ -12,17 +12,21 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+CURVES = {"accelerance": "accelerance [m s$^{-2}$ N$^{-1}$]", "transmissibility": "transmissibility [-]"}
+"""What may be read off a signal with many frequencies, and how its axis is called."""
+
 
 def answers(runs: xr.Dataset) -> Figure:
     """Figure of acceleration over time for each level (first seed), and of what is identified from the records.
 
-    That is damping and frequency over Gamma with one mode and a harmonic force (steady windows) or a release, the
-    accelerance with any other force.
+    That is damping and frequency over Gamma with one mode and a harmonic signal (steady windows) or a release, the
+    accelerance with any other force, the transmissibility with any other motion of the base.
     """
     from matplotlib import colormaps
     from matplotlib.figure import Figure
 
-    panels = 3 if "window_gamma" in runs else 2 if "accelerance_real" in runs else 1
+    curve = next((name for name in CURVES if f"{name}_real" in runs), None)
+    panels = 3 if "window_gamma" in runs else 2 if curve else 1
     figure = Figure(figsize=(4.4 * panels, 3.6), layout="constrained", dpi=150)
     axes = figure.subplots(1, panels, squeeze=False)[0]
     colours = colormaps["viridis"](np.linspace(0, 0.85, runs.sizes["level"]))
@@ -33,23 +37,24 @@ def answers(runs: xr.Dataset) -> Figure:
     if runs.sizes["level"] > 1:
         axes[0].legend(title="level", fontsize=7)
     if panels == 3:
+        driven = "applied_force" in runs or "base_acceleration" in runs
         for ax, name, label in (
             (axes[1], "window_damping_ratio", "damping ratio [-]"),
             (axes[2], "window_frequency", "natural frequency [Hz]"),
         ):
             for k in range(runs.sizes["level"]):
                 level_runs = runs.isel(level=k)
-                shown = level_runs["window_steady"] == 1 if "applied_force" in runs else level_runs[name].notnull()
+                shown = level_runs["window_steady"] == 1 if driven else level_runs[name].notnull()
                 gamma, value = (level_runs[n].where(shown).values.ravel() for n in ("window_gamma", name))
                 ax.plot(gamma, value, ".", ms=3, color=colours[k])
             ax.set(xlabel="Γ [-]", ylabel=label)
             _within_reason(ax, runs[name].values)
     elif panels == 2:
-        size = np.hypot(runs["accelerance_real"], runs["accelerance_imaginary"])
+        size = np.hypot(runs[f"{curve}_real"], runs[f"{curve}_imaginary"])
         size = size if "level" in size.dims else size.expand_dims("level")
         for k in range(size.sizes["level"]):
             axes[1].semilogy(size["frequency"], size.isel(level=k), lw=0.8, color=colours[k])
-        axes[1].set(xlabel="frequency [Hz]", ylabel="accelerance [m s$^{-2}$ N$^{-1}$]")
+        axes[1].set(xlabel="frequency [Hz]", ylabel=CURVES[curve])
     for ax in axes:
         ax.grid(alpha=0.3)
     figure.suptitle(runs.attrs.get("title", ""), fontsize=11)

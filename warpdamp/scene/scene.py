@@ -152,17 +152,17 @@ class Drive:
 
 
 @dataclass(frozen=True, eq=False)
-class Force:
-    """Force on the structure at the damper: a harmonic part A sin(2 pi f t), and samples with straight lines between.
+class Signal:
+    """A function of time: a harmonic part A sin(2 pi f t), and samples with straight lines between.
 
     Parameters
     ----------
     amplitude : float
-        A [N].
+        A [N of a force, m/s^2 of a base's motion].
     frequency : float or None
         f of the harmonic part [Hz].
     samples : (n,) array or None
-        Recorded, swept or random force [N]; after the last sample it keeps that value.
+        Recorded, swept or random, in the same unit; after the last sample it keeps that value.
     sample_step : float
         Time between samples [s], the first at time 0.
 
@@ -179,9 +179,23 @@ class Force:
 
     def __post_init__(self):
         if self.amplitude and not (self.frequency and self.frequency > 0):
-            raise ValueError("a harmonic force needs a positive frequency")
+            raise ValueError(f"a harmonic {self.name} needs a positive frequency")
         if self.samples is not None and (len(self.samples) < 2 or self.sample_step <= 0):
-            raise ValueError("a sampled force needs at least two samples and a positive sample_step")
+            raise ValueError(f"a sampled {self.name} needs at least two samples and a positive sample_step")
+
+
+@dataclass(frozen=True, eq=False)
+class Force(Signal):
+    """Applied to the structure at the damper, along the mount's direction [N]."""
+
+    name = "force"
+
+
+@dataclass(frozen=True, eq=False)
+class BaseMotion(Signal):
+    """Acceleration of the base that holds the structure, along the mount's direction [m/s^2]."""
+
+    name = "base motion"
 
 
 @dataclass(frozen=True)
@@ -204,12 +218,16 @@ class Mount:
         Modal q [m kg^0.5] and q' [m kg^0.5/s] at the start (zero unless given).
     record : int
         Steps between records of the enclosure's motion and of the particles' force on it; 0: none.
+    base : BaseMotion or None
+        Instead of a force.  Modal coordinates are then of the motion relative to the base.
+    participation : tuple of m floats
+        Gamma = phi^T M d of each mode, d the base's unit displacement [kg^0.5]; needed with a base that moves.
 
     Raises
     ------
     ValueError
-        If there is no mode, the tuples differ in length, a frequency is not positive, or the direction has not
-        length 1.
+        If there is no mode, the tuples differ in length, a frequency is not positive, the direction has not length 1,
+        or there are a force and a base.
     """
 
     frequency: tuple[float, ...]
@@ -220,6 +238,8 @@ class Mount:
     position: tuple[float, ...] = ()
     velocity: tuple[float, ...] = ()
     record: int = 0
+    base: BaseMotion | None = None
+    participation: tuple[float, ...] = ()
 
     def __post_init__(self):
         n = len(self.frequency)
@@ -230,6 +250,20 @@ class Mount:
             raise ValueError("a mount needs a damping, an amplitude, a position and a velocity for each frequency")
         if min(self.frequency) <= 0 or abs(math.hypot(*self.direction) - 1) > 1e-9:
             raise ValueError("a mount needs positive frequencies and a direction of length 1")
+        if self.force and self.base:
+            raise ValueError("a mount is moved by a force or by its base, not by both")
+        if self.base and len(self.participation) != n:
+            raise ValueError("a mount on a base that moves needs a participation for each frequency")
+
+    @property
+    def excitation(self) -> Signal | None:
+        """What moves it: the force, or the acceleration of its base."""
+        return self.force or self.base
+
+    @property
+    def load(self) -> tuple[float, ...]:
+        """Of each mode, the modal force per unit of the excitation: phi of a force, -Gamma of a base acceleration."""
+        return tuple(-gamma for gamma in self.participation) if self.base else self.amplitude
 
     @property
     def speed(self) -> float:
@@ -341,10 +375,10 @@ class Scene:
 
     @property
     def excitation_frequency(self) -> float | None:
-        """Frequency of the drive, or of the harmonic force on the structure [Hz]; None if nothing is periodic."""
+        """Frequency of the drive, or of what moves the structure [Hz]; None if nothing is periodic."""
         if self.drive:
             return self.drive.frequency
-        return self.mount.force.frequency if self.mount and self.mount.force else None
+        return self.mount.excitation.frequency if self.mount and self.mount.excitation else None
 
     def mass(self, radius, species=0) -> np.ndarray:
         """Mass of spheres of the given radii and species [kg].

@@ -19,9 +19,11 @@ from ..scene.scene import STANDARD_GRAVITY
 from ..sweep.cases import Cases
 from ..sweep.plan import Fate, make_plan
 from ..sweep.resolve import self_contained, with_tolerance
+from .several import studies
 
 if TYPE_CHECKING:
     from ..damper.case import Spec
+    from ..modal.modes import Modes
     from ..sweep.plan import Plan
 
 NOT_MODELLED = (
@@ -103,12 +105,22 @@ def _value(node, key: str):
 
 
 def _line(config: Config, key: str, value: str) -> str:
+    if config._source is None:
+        return f"{key}: {value}"
     place = config.line(key)
     return f"{key}: {value} ({f'line {place}' if place else 'default'})"
 
 
 def explain(config: Config, *, workers: int | None = None) -> str:
-    """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled."""
+    """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled.
+
+    Of several dampers that of each, one after the other.
+    """
+    if config.dampers:
+        own, seen = studies(config)
+        heads = [_damper(k, modes) for k, modes in enumerate(seen, 1)]
+        plans = [explain(study, workers=workers) for study in own]
+        return "\n\n".join([config.title, *(text for pair in zip(heads, plans, strict=True) for text in pair)])
     config = with_tolerance(self_contained(config))
     plan = make_plan(Cases(config))
     numbers = plan.to_run()
@@ -125,6 +137,12 @@ def explain(config: Config, *, workers: int | None = None) -> str:
     blocks.append("\n".join(["Time and memory", *_price(plan, numbers, workers or os.cpu_count())]))
     blocks.append("\n".join(["Not modelled", *(f"  {item}" for item in NOT_MODELLED)]))
     return "\n\n".join(blocks)
+
+
+def _damper(number: int, modes: Modes) -> str:
+    """Where one of several dampers sits, as the modes show it."""
+    shape = ", ".join(f"{phi:.4g} in mode {n}" for n, phi in zip(modes.number, modes.amplitude, strict=True))
+    return f"Damper {number}: mass-normalised shape {shape} (kg^-1/2)"
 
 
 def _effects_table(config, spec):

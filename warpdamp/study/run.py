@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..config.study import Config
-from ..errors import PackingError, SimulationError
+from ..errors import ConfigError, PackingError, SimulationError
 from ..execution.adaptive import NEEDED, needed_cases
 from ..execution.executors import worker_pool
 from ..execution.run_log import RunLog
@@ -24,6 +24,7 @@ from ..sweep.load import load, load_plan
 from ..sweep.plan import Plan, load_or_make_plan, save_plan
 from ..sweep.resolve import self_contained, shortened, with_tolerance
 from .dataset import assemble
+from .several import combined, studies
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -99,10 +100,27 @@ def run(
     >>> bool((results["ledger_residual"] < 0.02).all())
     True
     """
+    if not isinstance(config, Config):
+        config = load(config)
+    options = {"executor": executor, "workers": workers, "limit": limit, "report": report}
+    if config.dampers:
+        return _run_several(shortened(config) if quick else config, store, options)
     with TemporaryDirectory(prefix="warpdamp-") as scratch:
         folder = Path(store or scratch)
-        plan = carry_out(config, folder, executor=executor, workers=workers, quick=quick, limit=limit, report=report)
+        plan = carry_out(config, folder, quick=quick, **options)
         return _collected(plan, Store(folder))
+
+
+def _run_several(config: Config, store: str | Path | None, options: dict) -> xr.Dataset:
+    """The study of each of several dampers, in a folder of its own, and what they add up to."""
+    own, seen = studies(config)
+    found = []
+    for k, study in enumerate(own):
+        try:
+            found.append(run(study, store=Path(store) / f"damper-{k + 1}" if store else None, **options))
+        except ConfigError as error:
+            raise config.error(("dampers", k - 1) if k else "damper", str(error)) from None
+    return _with_accessor(combined(config, found, seen))
 
 
 def carry_out(
@@ -147,6 +165,8 @@ def carry_out(
         raise ValueError(f"workers must be at least 1, got {workers}")
     if not isinstance(config, Config):
         config = load(config)
+    if config.dampers:
+        raise config.error("dampers", "several dampers are run as a whole: leave --part out")
     config = with_tolerance(self_contained(shortened(config) if quick else config))
     results = Store(store)
     with results.lock(part):

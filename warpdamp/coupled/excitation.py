@@ -1,0 +1,146 @@
+"""What moves the structure of a coupled run, and how finely it has to be sampled: configuration -> Signal."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..scene.scene import STANDARD_GRAVITY, BaseMotion, Force, Mount, Signal
+from . import forces, noise, response
+
+if TYPE_CHECKING:
+    from ..config.coupled import CoupledConfig
+    from ..config.study import Config
+    from ..modal.modes import Modes
+
+RECORDS = 32
+"""To a period of the fastest thing that happens."""
+
+RECORDS_OF_CONTENT = 8
+"""To a period of the highest frequency of a record or a spectrum.
+
+A displacement falls with the square of frequency above the modes, and a blow does beyond its first lobe: what folds
+back at the highest frequency is (1 / 7)^2 of it at most.
+"""
+
+STEPS_OF_CONTENT = 32
+"""To that period: central differences shift an acceleration by (2 pi / 32)^2 / 12, 0.3 %."""
+
+LEAST_DAMPING = 0.01
+"""Damping ratio with which the structure's largest speed is foreseen, if its own is less: the damper adds more."""
+
+REST = 0.01
+"""A record is at rest where it is below this part of its largest value."""
+
+FORCE_COLUMNS = {"force_N": 1.0}
+BASE_COLUMNS = {"acceleration_m_s2": 1.0, "acceleration_g": STANDARD_GRAVITY}
+
+
+def signals(config: Config) -> list[Signal | None]:
+    """The force or the base's acceleration of each level; None of a release.
+
+    Raises
+    ------
+    ConfigError
+        If a record cannot be read or does not end at rest, or if a run is too short for its noise.
+    """
+    own, kind = config.coupled, BaseMotion if config.coupled.base else Force
+    harmonic = own.signals.harmonic
+    if own.release:
+        return [None] * len(own.levels)
+    if harmonic:
+        return [kind(level * harmonic.amplitude, harmonic.frequency) for level in own.levels]
+    try:
+        samples, step = _samples(config)
+    except (OSError, ValueError) as error:
+        raise config.error(f"coupled.{own.source}", str(error)) from None
+    return [kind(samples=level * samples, sample_step=step) for level in own.levels]
+
+
+def _samples(config: Config) -> tuple[np.ndarray, float]:
+    own = config.coupled
+    signal, duration = own.signals, own.duration
+    if signal.swept:
+        return forces.swept(signal.swept, duration)
+    if signal.random:
+        if signal.random.spectrum:
+            return noise.samples(signal.random.spectrum, signal.random.seed, duration)
+        return forces.random(signal.random, duration)
+    samples, step = forces.recorded(config.folder / signal.recorded.file, BASE_COLUMNS if own.base else FORCE_COLUMNS)
+    end, largest = abs(samples[-2]), np.abs(samples).max()
+    if (len(samples) - 2) * step < duration and end > REST * largest:
+        raise ValueError(
+            f"{signal.recorded.file}: the record ends before the run does, at {100 * end / largest:.2g} % of its "
+            f"largest value: let it come to rest, or take a duration of at most {(len(samples) - 2) * step:.4g} s"
+        )
+    within = samples[: math.floor(duration / step) + 2]
+    return np.append(within[:-1], 0.0), step
+
+
+def ends_within(signal: Signal, duration: float) -> bool:
+    """Whether samples have come to rest when a run begins to fade out, so that they can be transformed whole."""
+    size = np.abs(signal.samples)
+    last = np.flatnonzero(size > REST * size.max())[-1]
+    return (last + 1) * signal.sample_step <= (1 - response.TAPER) * duration
+
+
+def start(own: CoupledConfig, modes: Modes, level: float, weight: float) -> tuple[float, ...]:
+    """Modal coordinates at the start: as released; before a record, at rest under the particles' ``weight`` [N]."""
+    place = np.zeros(len(modes.number))
+    w = 2 * math.pi * modes.frequency
+    if own.release:
+        k = int(np.flatnonzero(modes.number == own.release.mode)[0])
+        place[k] = level * own.release.gamma * STANDARD_GRAVITY / w[k] ** 2 / modes.amplitude[k]
+    elif own.signals.recorded:
+        place = modes.amplitude * weight / w**2
+    return tuple(place)
+
+
+def reference(own: CoupledConfig, modes: Modes) -> float:
+    """Highest frequency that the records are to show [Hz]; a harmonic signal's cycle is a whole number of theirs."""
+    highest = float(max(modes.frequency))
+    harmonic, random = own.signals.harmonic, own.signals.random
+    if harmonic:
+        return harmonic.frequency * max(1, math.ceil(highest / harmonic.frequency))
+    band = own.signals.swept or (random if random and not random.spectrum else None)
+    return max(highest, band.from_, band.to) if band else highest
+
+
+def content(own: CoupledConfig, signal: Signal | None) -> float:
+    """Highest frequency of a record or a spectrum [Hz]; 0 of what ``reference`` knows."""
+    if own.signals.recorded:
+        return response.highest(signal)
+    random = own.signals.random
+    return random.spectrum[-1][0] if random and random.spectrum else 0.0
+
+
+def largest_speed(mount: Mount, modes: Modes, particles: float, duration: float) -> float:
+    """Of the enclosure [m/s], if the particles were one rigid mass [kg]: the step is chosen for it."""
+    if mount.excitation is None:
+        return mount.speed
+    time = forces.moments(mount.excitation, duration)
+    signal = forces.applied(mount.excitation, time)
+    loaded = modes.with_mass(particles)
+    load, speed = loaded.amplitude, np.zeros(len(time))
+    if mount.base:
+        load = -base_participation(loaded)
+        speed = np.cumsum(signal - signal.mean()) * time[1]
+    for f, phi, own, zeta in zip(loaded.frequency, loaded.amplitude, load, loaded.inherent_damping, strict=True):
+        speed = speed + phi * own * _modal_speed(signal, time[1], f, max(zeta, LEAST_DAMPING))
+    return float(np.abs(speed).max())
+
+
+def _modal_speed(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
+    """Speed of a mode under unit load times a signal with straight lines between its samples."""
+    from scipy.signal import cont2discrete, lfilter
+
+    w = 2 * math.pi * frequency
+    numerator, denominator, _ = cont2discrete(([1, 0], [1, 2 * damping * w, w**2]), step, "foh")
+    return lfilter(numerator.ravel(), denominator, signal)
+
+
+def base_participation(modes: Modes) -> np.ndarray:
+    """(m,) participation factors of a base that moves along the modes' direction [kg^0.5]."""
+    return modes.participation @ np.asarray(modes.direction)
