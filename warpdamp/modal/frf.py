@@ -90,12 +90,34 @@ class ModalModel:
         return cls(modes.frequency, modes.amplitude, damping, particle_mass)
 
     def receptance(self, frequency) -> np.ndarray:
-        """Receptance H = sum phi^2 / (w_r^2 (1 + j eta) - w^2) [m/N] at frequencies [Hz]."""
+        """Receptance H = sum phi^2 / (w_r^2 (1 + j eta) - w^2) [m/N].
+
+        Parameters
+        ----------
+        frequency : (...) array
+            [Hz].
+
+        Returns
+        -------
+        (...) complex array
+            [m/N].
+        """
         w = 2 * np.pi * np.asarray(frequency, float)[..., None]
         return np.sum(self.amplitude**2 / (self._stiffness - w**2), axis=-1)
 
     def dynamic_mass(self, frequency) -> np.ndarray:
-        """Dynamic mass, force per acceleration [kg], without the particles; add their complex mass."""
+        """Dynamic mass, force per acceleration, without the particles [kg]; add their complex mass.
+
+        Parameters
+        ----------
+        frequency : (...) array
+            [Hz].
+
+        Returns
+        -------
+        (...) complex array
+            [kg].
+        """
         w = 2 * np.pi * np.asarray(frequency, float)
         return -self.particle_mass - 1 / (w**2 * self.receptance(frequency))
 

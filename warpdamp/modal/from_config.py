@@ -121,7 +121,16 @@ def _placed(config: Config, key: str):
 
 
 def beam(config: Config) -> tuple[Beam, PointMass]:
-    """Configured beam, and the empty damper on it."""
+    """Configured beam, and the empty damper on it.
+
+    Parameters
+    ----------
+    config : Config
+
+    Returns
+    -------
+    Beam, PointMass
+    """
     from .beam import Beam
 
     structure = config.structure
