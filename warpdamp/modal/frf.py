@@ -185,6 +185,13 @@ def accelerance(
     ModalError
         If the results have no modes or swept scalars left, if a Gamma is outside their range, or if a frequency is not
         above 0.
+
+    Examples
+    --------
+    >>> from warpdamp import accelerance, open_results
+    >>> frf = accelerance(open_results("docs/beam.nc"), gamma=[2.0, 5.0])
+    >>> [round(100 * float(zeta), 1) for zeta in frf["resonance_damping_ratio"].sel(mode=1)]  # [%]
+    [1.8, 2.8]
     """
     import xarray as xr
 

@@ -121,7 +121,7 @@ def _stored() -> dict[str, float]:
 
 
 def measure_study(config) -> None:
-    """Measure what the cases of a study cost, and what each of their effects does."""
-    own = {effects for effects, _ in make_plan(Cases(config)).groups}
-    remember(moving, moving(list(own)))
-    remember(frozen, frozen(list(own | {without(effects, name) for effects in own for name in TOGGLES})))
+    """Measure the cost of a study's cases, and of each of their effects."""
+    sets = {effects for effects, _ in make_plan(Cases(config)).groups}
+    remember(moving, moving(list(sets)))
+    remember(frozen, frozen(list(sets | {without(effects, name) for effects in sets for name in TOGGLES})))
