@@ -400,7 +400,7 @@ class Scene:
         return replace(self, drive=None, mount=mount)
 
     def softened(self, factor: float) -> Scene:
-        """The same scene with every Young's modulus multiplied by ``factor``."""
+        """Scene with every Young's modulus multiplied by ``factor``."""
         if factor == 1:
             return self
 

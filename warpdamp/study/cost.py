@@ -48,7 +48,7 @@ def within(effects: Effects, name: str) -> Effects:
 
 
 def jammed_bed() -> tuple[Scene, State]:
-    """The paper's bed pressed against the floor, a quarter cycle into its fifth at Gamma 1."""
+    """Bed of the paper pressed against the floor, a quarter cycle into its fifth at Gamma 1, with its scene."""
     scene = damper(gamma=1.0)
     loose = prepare(Request(scene, Grains.alike(RADIUS, COUNT), 1, "loose")).state
     batch = Batch([Case(scene, loose, 1 / FREQUENCY / STEPS_PER_CYCLE)])
