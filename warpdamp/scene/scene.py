@@ -257,12 +257,12 @@ class Mount:
 
     @property
     def excitation(self) -> Signal | None:
-        """What moves it: the force, or the acceleration of its base."""
+        """Excitation of the structure: the force, or the acceleration of its base."""
         return self.force or self.base
 
     @property
     def load(self) -> tuple[float, ...]:
-        """Of each mode, the modal force per unit of the excitation: phi of a force, -Gamma of a base acceleration."""
+        """Modal force per unit of the excitation, of each mode: phi of a force, -Gamma of a base acceleration."""
         return tuple(-gamma for gamma in self.participation) if self.base else self.amplitude
 
     @property
