@@ -63,7 +63,7 @@ def assembled(
 
 
 def _root_mean_squares(own: CoupledConfig, dataset: xr.Dataset, signals: list[Signal]) -> xr.Dataset:
-    """Root mean squares of noise and of its answer: applied, by the table, and of the acceleration in the second half."""
+    """Root mean squares of noise and of its answer: applied, tabulated, and of the acceleration in the second half."""
     import xarray as xr
 
     random = own.signals.random
