@@ -51,7 +51,7 @@ CONVERGED = 1e-10
 
 
 class Damping(StrEnum):
-    """What the damping of a mode goes with: its displacement, or its velocity."""
+    """Damping model of the fitted modes: structural (displacement) or viscous (velocity)."""
 
     STRUCTURAL = "structural"
     VISCOUS = "viscous"

@@ -104,7 +104,7 @@ class _Model:
         return np.concatenate([each * by_frequency, each * by_ratio], axis=1) * self.scale
 
     def slopes_of_misfit(self, p) -> np.ndarray:
-        """What is left of the slopes when the constants follow; their change is of second order (Kaufman 1975)."""
+        """Slopes less their part that the constants absorb; its change is of second order (Kaufman 1975)."""
         q, _ = np.linalg.qr(self.columns(p))
         slopes = self.slopes(p)
         return slopes - q @ (q.conj().T @ slopes)

@@ -33,7 +33,7 @@ class Curve:
 
     @classmethod
     def of(cls, frequency, values, kind: Ordinate, place: Callable[[int], str]) -> Curve:
-        """Values of any kind, sorted by frequency; a value at 0 Hz is left out, which is said.
+        """Curve from values of any kind, sorted by frequency; a value at 0 Hz is left out and reported.
 
         Parameters
         ----------
@@ -72,5 +72,5 @@ class Curve:
         return cls(frequency, values, said="the line at 0 Hz is left out" if len(above) < len(order) else "")
 
     def described(self, *said: str, name: str = "") -> Curve:
-        """The same curve with a name, and how it was read."""
+        """Curve with a name, and a description of how it was read."""
         return replace(self, name=name, said="; ".join(part for part in (*said, self.said) if part))

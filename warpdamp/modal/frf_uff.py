@@ -77,13 +77,13 @@ def read_frf_uff(
 
 
 def listed(functions: list[Function] | list[str]) -> str:
-    """The first functions of some, in words."""
+    """Text that lists the first of some functions."""
     more = f" and {len(functions) - SHOWN} more" if len(functions) > SHOWN else ""
     return "; ".join(map(str, functions[:SHOWN])) + more
 
 
 def _choice(asked, what: str) -> re.Pattern:
-    """What the degrees of freedom that are asked for look like."""
+    """Pattern of the degrees of freedom that are asked for."""
     if asked is None:
         return re.compile(".*")
     found = _FREEDOM.fullmatch(str(asked).strip())
@@ -134,7 +134,7 @@ def _abscissa(function: Function) -> tuple[float, str]:
 
 
 def _scale(function: Function, system, given: Ordinate | None, unit: str) -> tuple[Ordinate, float, str]:
-    """What the values are, what turns them into SI, and their unit in words."""
+    """Kind of the values, the factor that turns them into SI, and the name of their unit."""
     _refuse_other_quantities(function)
     top, bottom = function.numerator, function.denominator
     label = " / ".join(axis.unit for axis in (top, bottom) if axis.unit)
@@ -166,7 +166,7 @@ def _scale(function: Function, system, given: Ordinate | None, unit: str) -> tup
 
 
 def _labelled(top: str, bottom: str, system) -> tuple[Ordinate, float]:
-    """What unit labels say of a response over force; the first may hold both."""
+    """Kind and factor of a response over force by its unit labels; the first may hold both."""
     try:
         whole = ordinate(top)
     except ValueError:
@@ -177,7 +177,7 @@ def _labelled(top: str, bottom: str, system) -> tuple[Ordinate, float]:
 
 
 def _unlabelled(bottom: str, system) -> float:
-    """What turns a response without a unit into SI: the file's unit of length, over that of force."""
+    """Factor that turns a response without a unit into SI: the file's unit of length, over that of force."""
     length, force = system or (1.0, 1.0)
     return 1 / length / (newtons(bottom) if bottom else 1 / force)
 

@@ -1,4 +1,4 @@
-"""What the axes of an FRF measure, by their units: frequency, and response over force.
+"""Units of an FRF's axes: frequency, and response over force.
 
 Accelerance, mobility and receptance differ by powers of j w, A = j w Y = (j w)^2 H.  Their inverses (apparent mass,
 impedance, dynamic stiffness) are refused: one element of an inverse is not the inverse of the element.
@@ -19,7 +19,7 @@ from ..errors import ModalError
 
 
 class Ordinate(StrEnum):
-    """What an FRF gives per force: acceleration, velocity or displacement."""
+    """Kind of an FRF's response per force: acceleration, velocity or displacement."""
 
     ACCELERANCE = "accelerance"
     MOBILITY = "mobility"
@@ -65,7 +65,7 @@ _TOKEN = re.compile(
 
 
 def one_of(kinds: type[StrEnum], name, what: str):
-    """The member of an enumeration that is called by its name.
+    """Member of an enumeration by its name.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def one_of(kinds: type[StrEnum], name, what: str):
 
 
 def hertz(unit: str) -> float:
-    """Hertz in one of a unit of frequency.
+    """Factor that turns a unit of frequency into hertz.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def hertz(unit: str) -> float:
 
 @functools.cache
 def ordinate(unit: str) -> tuple[Ordinate, float]:
-    """What a unit of response over force measures, and what turns it into SI.
+    """Kind of a response over force by its unit, and the factor that turns it into SI.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def ordinate(unit: str) -> tuple[Ordinate, float]:
 
 
 def agreed(said) -> Ordinate | None:
-    """What all who say it, (kind or None, who), say that an FRF is; None where nobody does.
+    """Kind of an FRF on which all sources (kind or None, source) agree; None if no source names one.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def agreed(said) -> Ordinate | None:
 
 
 def newtons(unit: str) -> float:
-    """Newtons in one of a unit of force.
+    """Factor that turns a unit of force into newtons.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def newtons(unit: str) -> float:
 
 
 def _quantity(unit: str):
-    """A unit in SI, by pint; its names are those above."""
+    """Unit in SI, by pint; its names are those above."""
     text = _tidy(unit)
     tokens = list(_TOKEN.finditer(text))
     try:

@@ -1,4 +1,4 @@
-"""Modal fits of every curve of an FRF Dataset, with what they are worth."""
+"""Modal fits of every curve of an FRF Dataset, with their uncertainties."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ LARGEST_ERROR = 0.5
 
 @dataclass(frozen=True)
 class Fits:
-    """Fits of one FRF.
+    """Fits of the modes of one FRF.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class Fits:
 
 
 def fits(frf: xr.Dataset, near=None, *, damping: Damping | str = Damping.STRUCTURAL) -> xr.Dataset:
-    """Every mode of every FRF by every method, each in its half-power band.
+    """Fit every mode of every FRF by every method, each in its half-power band.
 
     Least squares fits all modes together, on their bands together.
 
@@ -177,7 +177,7 @@ def fit_curve(frequency, accelerance, near, damping: Damping = Damping.STRUCTURA
 
 
 def _new_band(frequency, accelerance, near: float, others) -> slice:
-    """The half-power band of a peak that is nobody else's."""
+    """Half-power band of a peak that no other frequency has claimed."""
     band = half_power_band(frequency, accelerance, near)
     if band in others:
         peak = frequency[band][np.argmax(np.abs(accelerance[band]))]
