@@ -104,6 +104,8 @@ def stepper(effects, count: int):
     ):
         """Run each case until its target step or until its neighbour list is used up.
 
+        Every step searches only the pairs that may touch before a particle has gone half of ``margin``.
+
         ``cycle_start`` holds where the particles were at the end of the last cycle, apart from them: it is seldom
         looked at.
         """

@@ -56,7 +56,9 @@ def deleted_build(effects: Effects, folder: Path) -> Path:
     """A copy of the package whose kernels never heard of what ``effects`` leaves out."""
     package = folder / "warpdamp"
     for path in sorted((ROOT / "warpdamp").rglob("*.py")) + sorted((ROOT / "kernels").glob("*.py")):
-        inside = path.relative_to(ROOT) if "kernels" not in path.parts else Path("warpdamp/kernels") / path.name
+        inside = path.relative_to(ROOT)
+        if "kernels" in inside.parts:
+            inside = Path("warpdamp/kernels") / path.name
         text = path.read_text()
         if path.parent == ROOT / "kernels":
             text = ast.unparse(ast.fix_missing_locations(Deleted(effects).visit(ast.parse(text)))) + "\n"

@@ -136,7 +136,7 @@ class Batch:
         self._cell = 2 * self._largest_radius * (1 + skin)
         self._grid = None
         if max(counts) > MOST_SEARCHED:
-            side = int(np.clip(2 * np.ceil(np.cbrt(max(counts))), 8, 128))
+            side = int(np.clip(np.ceil(np.cbrt(max(counts))), 8, 128))
             self._grid = wp.HashGrid(side, side, side, device=device, dtype=self.effects.real)
         self._check_overlaps()
 
@@ -212,7 +212,8 @@ class Batch:
         wp.utils.array_scan(self._counts, fresh.start, inclusive=False)
         total = int(fresh.start.numpy()[-1])
         for name, variable in t.Contacts.vars.items():
-            if name in PER_PAIR:
+            large_enough = name in SCRATCH and len(getattr(old, name)) >= total
+            if name in PER_PAIR and not large_enough:
                 setattr(fresh, name, wp.empty(total, dtype=variable.type.dtype, device=self._device))
             elif name != "start":
                 setattr(fresh, name, getattr(old, name))
