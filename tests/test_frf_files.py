@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from frf_files import (
     FREQUENCY,
@@ -20,6 +21,7 @@ from frf_files import (
     table,
     uff,
 )
+from warpdamp.cli.app import app
 from warpdamp.errors import ModalError
 from warpdamp.modal.frf_file import read_frf
 from warpdamp.modal.identify import fits
@@ -305,3 +307,25 @@ def test_a_netcdf_file_in_other_units_is_refused(tmp_path):
     frf.to_netcdf(tmp_path / "frf.nc")
     with pytest.raises(ModalError, match="frequency is in rad/s: expected Hz"):
         read_frf(tmp_path / "frf.nc")
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "words"),
+    [
+        ((), 2, "2 FRFs (response/reference) are meant: 2z/1z; 3z/1z"),
+        (("--response", "3z"), 0, "accelerance in m/s^2 / N"),
+        (("--response", "3z"), 0, "mode 1 39.15 to 39.9 Hz, 16 lines"),
+        (("--number", "2", "--damping", "viscous"), 0, "viscous damping ratio"),
+        (("--all",), 0, "3z/1z"),
+        (("--all", "--damping", "dry"), 2, "damping 'dry': is none of structural, viscous"),
+        (("--number", "1", "--ordinate", "mobility"), 2, "but the option ordinate says mobility"),
+        (("--number", "1", "--units", "g/N"), 2, "and the option says g/N"),
+        (("--number", "1", "--near", "-3"), 2, "near: expected frequencies above 0 Hz"),
+    ],
+)
+def test_the_command(tmp_path, options, status, words):
+    path = tmp_path / "frf.uff"
+    path.write_bytes(uff(frf58(A), frf58(A, response=(3, 3))))
+    done = CliRunner().invoke(app, ["fit", str(path), *options], env={"COLUMNS": "120"})
+    assert done.exit_code == status, done.output
+    assert words in " ".join(done.output.split()), done.output

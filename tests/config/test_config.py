@@ -109,7 +109,8 @@ def test_quantities(text, unit, value):
     ("text", "unit", "value"),
     [("7 800 kg/m^3", "kg/m^3", 7800.0), ("7\u00a0800 kg/m^3", "kg/m^3", 7800.0), ("7\u2009800 kg/m³", "kg/m^3", 7800.0),
      ("7'800 kg/m^3", "kg/m^3", 7800.0), ("7\u2019800.5 kg/m^3", "kg/m^3", 7800.5), ("1 234 567 Pa", "Pa", 1234567.0),
-     ("3 300 MPa", "Pa", 3.3e9), ("1 1/4 in", "m", 0.03175), ("1/4 in", "m", 0.00635), ("-1 1/4 in", "m", -0.03175), ("40 1/s", "Hz", 40.0)],
+     ("3 300 MPa", "Pa", 3.3e9), ("1 1/4 in", "m", 0.03175), ("1/4 in", "m", 0.00635), ("-1 1/4 in", "m", -0.03175), ("40 1/s", "Hz", 40.0),
+     ("0.769 kg^-0.5", "kg^-0.5", 0.769), ("2 g-0.5", "kg^-0.5", 2 * 1000**0.5)],
 )  # fmt: skip
 def test_digits_apart_are_one_number(text, unit, value):
     """Thousands apart by a blank of any kind or an apostrophe, and fractions of the inch; 25.4 mm to the inch."""

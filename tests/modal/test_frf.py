@@ -213,6 +213,24 @@ def test_what_cannot_be_had_is_refused(beam):
             chosen(swept, [choice])
 
 
+def test_bands_and_frequencies_that_are_none(beam):
+    for band in ((50, 40), (0, 40), (-1, 40), (40, np.nan), (40, np.inf)):
+        with pytest.raises(ModalError, match="band: expected two frequencies above 0 Hz, the lower one first"):
+            accelerance(beam, band=band)
+    for frequency in ([0.0, 40], [-40.0], [np.nan]):
+        with pytest.raises(ModalError, match="frequency: expected finite frequencies above 0 Hz"):
+            accelerance(beam, frequency=frequency)
+    with pytest.raises(ModalError, match="give an amplitude"):
+        constant_force(beam, [])
+
+
+def test_axes_of_names_are_chosen_by_name(beam):
+    swept = xr.concat([beam, beam], xr.Variable("preparation_", ["loose", "compacted"]))
+    xr.testing.assert_identical(chosen(swept, ["preparation_=loose"]).drop_vars("preparation_"), beam)
+    with pytest.raises(ModalError, match="choose from loose, compacted"):
+        chosen(swept, ["preparation_=carried"])
+
+
 def test_a_sweep_is_corrected_along_its_axes(beam):
     swept = xr.concat([beam, beam], xr.Variable("friction", [0.2, 0.8]))
     swept["excitation_frequency"] = beam["excitation_frequency"].expand_dims(friction=swept["friction"])

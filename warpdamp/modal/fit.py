@@ -44,6 +44,10 @@ GROUPS = 10
 """Of points that the jackknife leaves out in turn."""
 FIXED_POINTS = 200
 """Of a band, that Dobson's differences are taken from at most."""
+MOST_DIFFERENCES = 2_000_000
+"""At a time: about 100 MB."""
+MOST_EVALUATIONS = 200
+"""Of a circle or its angle; a mode takes about ten."""
 ITERATIONS = 20
 """Of a viscous mode's natural frequency; each divides its error by 10,000 or so."""
 CONVERGED = 1e-10
@@ -170,12 +174,13 @@ def _line(x, h) -> tuple[complex, complex]:
 
 def _differences(x, h) -> tuple[complex, complex]:
     """Pole and modal constant by Dobson's differences."""
-    fixed = np.unique(np.linspace(0, len(x) - 1, min(len(x), FIXED_POINTS)).astype(int))
-    slope, weight = np.empty(len(fixed), complex), np.empty(len(fixed))
-    for row, k in enumerate(fixed):
-        rest = np.arange(len(x)) != k
-        span, difference = x[rest] - x[k], h[rest] - h[k]
-        slope[row], weight[row] = _line_slope(x[rest], span / difference, np.abs(difference) ** 2 / np.abs(span))
+    count = min(len(x), FIXED_POINTS, MOST_DIFFERENCES // len(x) + 2)
+    fixed = np.unique(np.linspace(0, len(x) - 1, count).astype(int))
+    span, difference = x - x[fixed, None], h - h[fixed, None]
+    apart = difference != 0
+    ratio = np.divide(span, difference, out=np.zeros_like(difference), where=apart)
+    weight = np.divide(np.abs(difference) ** 2, np.abs(span), out=np.zeros_like(span), where=apart)
+    slope, weight = _line_slopes(x, ratio, weight)
     across = np.stack([np.ones(len(fixed)), x[fixed]], axis=1) * weight[:, None]
     (at_zero, slope_of_slopes), *_ = np.linalg.lstsq(across, slope * weight, rcond=None)
     return complex(-at_zero / slope_of_slopes), complex(1 / slope_of_slopes)
@@ -187,18 +192,39 @@ def _circle(x, h) -> tuple[complex, complex]:
 
     (a, b, c), *_ = np.linalg.lstsq(np.stack([h.real, h.imag, np.ones(len(h))], axis=1), np.abs(h) ** 2, rcond=None)
     start = np.array([a / 2, b / 2, np.sqrt(c + (a**2 + b**2) / 4)])
-    circle = solve(lambda p: np.abs(h - p[0] - 1j * p[1]) - p[2], start, x_scale=start[2]).x
+    circle = solve(
+        lambda p: np.abs(h - p[0] - 1j * p[1]) - p[2],
+        start,
+        lambda p: _slopes_of_circle(h - p[0] - 1j * p[1]),
+        x_scale=start[2],
+        method="lm",
+        max_nfev=MOST_EVALUATIONS,
+    ).x
     angle = np.unwrap(np.angle(h - circle[0] - 1j * circle[1]))
     peak = int(np.argmax(np.abs(h)))
     width = (x[-1] - x[0]) / 2
     sweep = solve(
         lambda p: angle - p[0] - 2 * np.arctan((p[1] - x) / p[2]),
         [angle[peak], x[peak], width if angle[-1] < angle[0] else -width],
+        lambda p: _slopes_of_angle((p[1] - x) / p[2], p[2]),
         x_scale=[1, width, width],
+        method="lm",
+        max_nfev=MOST_EVALUATIONS,
     )
     psi, at, loss = sweep.x
     turn = np.exp(1j * (psi + np.pi / 2))  # at resonance h - b = C / (j Im p)
     return complex(at, loss), complex(2 * circle[2] * loss * turn)
+
+
+def _slopes_of_circle(spoke):
+    """Derivatives of the distance from a circle by its centre and radius; ``spoke``: from the centre to the points."""
+    return np.stack([-spoke.real / np.abs(spoke), -spoke.imag / np.abs(spoke), -np.ones(len(spoke))], axis=1)
+
+
+def _slopes_of_angle(u, loss):
+    """Derivatives of an angle less psi + 2 atan u, u = (at - x) / loss, by psi, at and loss."""
+    steep = 2 / (1 + u**2) / loss
+    return np.stack([-np.ones(len(u)), -steep, u * steep], axis=1)
 
 
 def _one_mode(solve: Callable, frequency, accelerance, damping: Damping, *, residual: bool = True) -> Fit:
@@ -254,9 +280,10 @@ def _pole(solve: Callable, f, a, damping: Damping, residual: bool) -> tuple[Fit,
     return Fit(float(natural * scale), float(ratio), constant), (of_mode + rest) * a / h
 
 
-def _line_slope(x, y, weight):
-    """Slope of the weighted straight line through complex y, and one over its standard error for unit noise."""
-    mean = np.average(x, weights=weight**2)
-    lean = weight * (x - mean)
-    steep = lean @ lean
-    return lean @ (weight * (y - np.average(y, weights=weight**2))) / steep, np.sqrt(steep)
+def _line_slopes(x, y, weight):
+    """Slopes of weighted straight lines through the rows of complex y, and one over their errors for unit noise."""
+    total = np.sum(weight**2, axis=1, keepdims=True)
+    lean = weight * (x - np.sum(weight**2 * x, axis=1, keepdims=True) / total)
+    steep = np.sum(lean**2, axis=1)
+    mean = np.sum(weight**2 * y, axis=1, keepdims=True) / total
+    return np.sum(lean * weight * (y - mean), axis=1) / steep, np.sqrt(steep)
