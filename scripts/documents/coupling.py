@@ -25,7 +25,8 @@ from warpdamp.coupled.run import Run, advance
 from warpdamp.damper.case import Request
 from warpdamp.modal.from_config import modes
 from warpdamp.numerics.timestep import steps_per_cycle
-from warpdamp.scene.scene import STANDARD_GRAVITY, Drive, Force
+from warpdamp.scene.host import Force
+from warpdamp.scene.scene import STANDARD_GRAVITY, Drive
 
 GAMMAS = (0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 7.0, 9.0, 11.0, 14.0)
 INHERENT = 0.002

@@ -7,8 +7,8 @@ import pytest
 
 from warpdamp import Batch, Case, Cylinder, State
 from warpdamp.coupled.identify import from_decay, from_response
+from warpdamp.scene.host import Force, Mount
 from warpdamp.scene.paper import RADIUS
-from warpdamp.scene.scene import Force, Mount
 
 MODE = {"frequency": (40.0,), "damping": (0.01,), "amplitude": (1.7,)}
 

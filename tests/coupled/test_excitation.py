@@ -12,7 +12,8 @@ from warpdamp.coupled import forces, noise
 from warpdamp.coupled.response import highest, transform
 from warpdamp.coupled.run import simulate
 from warpdamp.execution.executors import InProcess
-from warpdamp.scene.scene import STANDARD_GRAVITY, Force
+from warpdamp.scene.host import Force
+from warpdamp.scene.scene import STANDARD_GRAVITY
 
 LIGHT = """
 structure:

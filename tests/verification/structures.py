@@ -24,7 +24,8 @@ from warpdamp import load, run
 from warpdamp.config.spectra import SPECTRA
 from warpdamp.coupled import forces, noise
 from warpdamp.coupled.identify import first_harmonic
-from warpdamp.scene.scene import STANDARD_GRAVITY, BaseMotion, Mount
+from warpdamp.scene.host import BaseMotion, Mount
+from warpdamp.scene.scene import STANDARD_GRAVITY
 
 NATURAL, MASS = 40.0, 0.5
 

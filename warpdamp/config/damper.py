@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, StrictInt, TypeAdapter, create_model, field_validator, model_validator
 
 from ..scene.effects import FORCIBLE
-from ..scene.scene import sphere_volume
+from ..scene.particles import sphere_volume
 from .base import NOT_NEGATIVE as _not_negative
 from .base import POSITIVE as _positive
 from .base import Model

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..scene.scene import STANDARD_GRAVITY, BaseMotion, Force, Mount, Signal
+from ..scene.host import BaseMotion, Force, Mount, Signal
+from ..scene.scene import STANDARD_GRAVITY
 from . import forces, noise, response
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from ..config.coupled import BaseSweptConfig, RandomConfig, SweptConfig
-    from ..scene.scene import Signal
+    from ..scene.host import Signal
 
 SAMPLES = 64
 """To a period of the highest frequency: straight lines then miss a sine by 0.12 % at most, (2 pi / 64)^2 / 8."""

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..scene.scene import STANDARD_GRAVITY, Mount
+from ..scene.host import Mount
+from ..scene.scene import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from ..modal.modes import Modes

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..scene.scene import Signal
+from ..scene.host import Signal
 
 LEAST_SIZE = 2e-2
 """Of the excitation's spectrum, over its largest: other lines, as between and above a blow's lobes, are left out."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from ..config.coupled import CoupledConfig
     from ..config.study import Config
-    from ..scene.scene import Signal
+    from ..scene.host import Signal
     from .run import Run
 
 WINDOW = 10

@@ -19,7 +19,8 @@ from ..errors import PackingError, SimulationError
 from ..kernels.columns import KernelStatus
 from ..modal.from_config import modes as modes_of
 from ..numerics.timestep import Numerics, contact_step
-from ..scene.scene import Drive, Scene, Signal
+from ..scene.host import Signal
+from ..scene.scene import Drive, Scene
 from ..sweep.cases import Cases
 from . import excitation
 from .excitation import RECORDS, RECORDS_OF_CONTENT, STEPS_OF_CONTENT

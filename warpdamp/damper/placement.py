@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..errors import PackingError
-from ..scene.scene import Cylinder, sphere_volume
+from ..scene.particles import sphere_volume
+from ..scene.scene import Cylinder
 from .case import GROWN
 
 

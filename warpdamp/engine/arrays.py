@@ -12,8 +12,7 @@ import numpy as np
 import warp as wp
 
 from ..kernels.structs import PER_PAIR, PER_PARTICLE, WALLS
-from ..scene.particles import State
-from ..scene.scene import ContactHistory, inverse_sphere_inertia
+from ..scene.particles import ContactHistory, State, inverse_sphere_inertia
 from .device import DEVICE
 
 FEWEST_ORDERED = 1000

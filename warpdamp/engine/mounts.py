@@ -7,7 +7,7 @@ import math
 import numpy as np
 import warp as wp
 
-from ..scene.scene import Mount
+from ..scene.host import Mount
 from .device import DEVICE
 
 AT_REST = {"excitation": 0.0, "base_moves": 0, "samples": 0}

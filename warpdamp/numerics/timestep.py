@@ -9,8 +9,8 @@ import numpy as np
 
 from ..scene.contact import contact_constants, dashpot
 from ..scene.effects import Effects, Precision, called_for
-from ..scene.particles import State
-from ..scene.scene import Scene, sphere_volume
+from ..scene.particles import State, sphere_volume
+from ..scene.scene import Scene
 
 STEPS_PER_CONTACT = 24
 """Usual steps to the shortest contact: a bed's ledger then closes to half a percent (docs/acceptance.md)."""

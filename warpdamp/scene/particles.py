@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields
 
 import numpy as np
-
-from .scene import _HISTORIES, ContactHistory, sphere_volume
 
 
 @dataclass(frozen=True)
@@ -165,3 +164,74 @@ class State:
             for name in _HISTORIES
         }
         return cls(**rest, **histories)
+
+
+def sphere_volume(radius):
+    """Volume of spheres, 4 pi R^3 / 3 [m^3].
+
+    Parameters
+    ----------
+    radius : (...) array
+        R [m].
+
+    Returns
+    -------
+    (...) array
+        [m^3].
+    """
+    return 4 / 3 * math.pi * np.asarray(radius) ** 3
+
+
+def inverse_sphere_inertia(mass, radius):
+    """Inverse of the moment of inertia of solid spheres about their centres, 5 / (2 m R^2) [1/(kg m^2)].
+
+    Parameters
+    ----------
+    mass, radius : float or array
+        m [kg], R [m].
+
+    Returns
+    -------
+    float or array
+        [1/(kg m^2)].
+    """
+    return 2.5 / (mass * radius**2)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactHistory:
+    """Contact history: what contacts keep from one step to the next, an element each; see ``warpdamp.kernels.contact``.
+
+    Parameters
+    ----------
+    stretch : (..., 3) array
+        Stretch of the tangential springs [m].
+    radius : (...) array
+        Contact radius [m]; 0: there was no contact.
+    roll : (..., 3) array
+        Stretch of the springs of rolling resistance [m].
+    """
+
+    stretch: np.ndarray
+    radius: np.ndarray
+    roll: np.ndarray
+
+    @classmethod
+    def none(cls, *shape: int) -> ContactHistory:
+        """History of contacts that did not exist before, of the given shape."""
+        return cls(np.zeros((*shape, 3)), np.zeros(shape), np.zeros((*shape, 3)))
+
+    def __len__(self) -> int:
+        return len(self.radius)
+
+    def __getitem__(self, which) -> ContactHistory:
+        """History of the contacts selected by ``which``."""
+        return ContactHistory(self.stretch[which], self.radius[which], self.roll[which])
+
+    def seen_from_the_other(self, where: np.ndarray) -> ContactHistory:
+        """History with particles i and j exchanged where ``where`` (...) is true: stretches change their sign."""
+        sign = np.where(where, -1.0, 1.0)[..., None]
+        return ContactHistory(sign * self.stretch, self.radius, sign * self.roll)
+
+
+_HISTORIES = ("pair_history", "wall_history")
