@@ -63,7 +63,7 @@ def wall_contacts(effects, count: int):
 
     @wp.func
     def wall_contact(case: Case, p: wp.array(dtype=Particle), c: Contacts, place: int, h: real, since: real):
-        """What a wall does to a particle: force, torque, history, losses, overlap over R."""
+        """Contact of a particle with a wall: force, torque, history, losses, overlap over R."""
         i = place / WALLS
         wall = place - WALLS * i
         touch = wall_touch(case, p, i, wall, p[i].position)

@@ -67,7 +67,7 @@ def pair_contacts(effects, count: int):
 
     @wp.func
     def pair_contact(case: Case, p: wp.array(dtype=Particle), c: Contacts, k: int, h: real, since: real):
-        """What the pair at place k of the list does; one that has parted gives up what it remembers.
+        """Forces of the pair at place k of the list on its particles; a pair that has parted loses its stored energy.
 
         Returns the force on i, the torques on i and j, the history, the losses and the overlap over R*.
         """

@@ -43,6 +43,7 @@ _HOMES = {
     "corrected": "modal.apparent_mass",
     "accelerance": "modal.frf",
     "constant_force": "modal.frf",
+    "read_frf": "modal.frf_file",
     "fits": "modal.identify",
 }
 
@@ -63,6 +64,7 @@ if TYPE_CHECKING:
     from .modal.apparent_mass import corrected as corrected
     from .modal.frf import accelerance as accelerance
     from .modal.frf import constant_force as constant_force
+    from .modal.frf_file import read_frf as read_frf
     from .modal.identify import fits as fits
     from .report.curves import curves as curves
     from .report.curves import draw as draw

@@ -12,6 +12,9 @@ from .analysis.optimum import optimum
 from .analysis.regimes import regime
 from .analysis.results import over_packings
 from .errors import UsageError
+from .modal.damping import damping_of_effectiveness
+from .report.curves import draw
+from .report.maps import regime_map
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -92,8 +95,6 @@ class Damper:
         Terzioglu & Rongong, Selection of granular damper parameters to achieve optimum vibration attenuation on
         vibrating structures, eqs 4-11.
         """
-        from .modal.damping import damping_of_effectiveness
-
         dataset = self._dataset
         if "frequency" not in dataset["effectiveness"].dims:
             raise ValueError("damping of modes needs frequency as a dimension of the Dataset")
@@ -132,8 +133,6 @@ class Damper:
         ValueError
             If no case is finished.
         """
-        from .report.curves import draw
-
         return draw(self._dataset)
 
     def regime_map(self) -> Figure:
@@ -148,8 +147,6 @@ class Damper:
         ValueError
             If the results lack an indicator: ``effects.indicators`` was off.
         """
-        from .report.maps import regime_map
-
         return regime_map(self._dataset)
 
 

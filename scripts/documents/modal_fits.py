@@ -51,7 +51,7 @@ and hysteretic damping.
 
 {draws} draws; complex Gaussian noise, its rms {noise} % of each point's size. Mean error and spread (one standard
 deviation) of ζ, spread of f, and the mean of the standard errors that the methods state themselves (least squares: of
-the fit; line fit: of the two lines, where the bend counts as scatter).
+the fit; the others: of a jackknife, every tenth of the points left out in turn).
 
 {noisy}
 
@@ -198,7 +198,7 @@ def main():
         stated = np.array([[fit.damping_ratio_error for fit in draw[name]] for draw in draws]).mean(0) / ZETA
         cells = [f"{100 * m:+.2f} ± {100 * s:.2f}" for m, s in zip(zeta.mean(0), zeta.std(0, ddof=1), strict=True)]
         cells += [f"{100 * s:.4f}" for s in f.std(0, ddof=1)]
-        cells += ["-" if np.isnan(s) else f"{100 * s:.2f}" for s in stated]
+        cells += [f"{100 * s:.2f}" for s in stated]
         rows.append([name, *cells])
     heading = ["[%]", *(f"{what}, {m}" for what in ("ζ", "spread of f", "s.e. of ζ") for m in modes)]
     noisy = table(heading, rows)

@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 import xarray as xr
+from ruamel.yaml import YAML
 
-from warpdamp import ConfigError, accelerance, carry_out, load, run
+from conftest import ROOT
+from warpdamp import Config, ConfigError, accelerance, carry_out, load, run
 from warpdamp.coupled.run import simulate
 from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
 from warpdamp.modal.from_config import modes, seen_by_all
+from warpdamp.modal.mode_csv import read_csv
 from warpdamp.study.explain import explain
 from warpdamp.study.several import every_damper, modes_of_all, studies
 
@@ -104,6 +107,41 @@ def test_places_on_a_plate_are_those_of_their_footprints(write):
     config = load(write(plate.replace("modes: [1, 3]", "modes: [1]")))
     first, second = seen_by_all(config, modes(config, particles=0.0))
     assert second.amplitude == pytest.approx(first.amplitude, rel=1e-3)  # meshes are graded from one side
+
+
+def test_places_on_modes_from_a_file(tmp_path):
+    """By node and by position: the same place, and the mass of both fillings there and at the first damper."""
+    yaml = YAML(typ="safe")
+    study = yaml.load(ROOT / "configs" / "mode_file.yaml")
+    study["structure"]["mode_file"]["file"] = str(ROOT / "configs" / study["structure"]["mode_file"]["file"])
+    every = modes(Config.model_validate(study), particles=0.0)
+    row = len(every.point) // 4
+    place = [float(x) for x in every.point[row]]
+    study["dampers"] = [study["damper"] | {"position": place}]
+    study["excitation"].pop("frequency", None)
+    both = Config.model_validate(study)
+    first, second = seen_by_all(both, modes(both, particles=0.02, further=[0.01]))
+    whole = every.with_mass(0.02).seen_from(row, every.direction).with_mass(0.01)
+    np.testing.assert_allclose(first.frequency, whole.frequency, rtol=2e-3)  # of the modes left out
+    assert second.damper == row
+    study["dampers"] = [study["damper"] | {"node": 9999}]
+    wrong = Config.model_validate(study)
+    with pytest.raises(ConfigError, match="there is no node 9999"):
+        seen_by_all(wrong, modes(Config.model_validate(study | {"dampers": []}), particles=0.0))
+
+
+def test_participation_on_modes_from_a_file():
+    study = YAML(typ="safe").load(ROOT / "configs" / "mode_file.yaml")
+    source = study["structure"]["mode_file"]
+    source["file"] = str(ROOT / "configs" / source["file"])
+    count = len(read_csv(source["file"]).number)
+    source["participation"] = [0.1 * k for k in range(count)]
+    found = modes(Config.model_validate(study), particles=0.0)
+    along = found.participation @ np.asarray(found.direction)
+    np.testing.assert_allclose(along, 0.1 * (found.number - 1), atol=1e-12)
+    source["participation"] = [0.1]
+    with pytest.raises(ConfigError, match=f"participation: 1 values for {count} modes"):
+        modes(Config.model_validate(study), particles=0.0)
 
 
 def test_it_is_explained(write):

@@ -152,7 +152,7 @@ def test_a_column_of_quantities_has_no_blanks_for_separators(study, tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("contact.frction\n0.1\n", r"points.csv:1: column 'contact.frction': is no scalar.*did you mean 'contact.friction'"),
+        ("contact.frction\n0.1\n", r"points.csv:1: column 'contact.frction': is not a scalar.*did you mean 'contact.friction'"),
         ("friction,contact.friction\n0.1,0.2\n", r"points.csv:1: column 'contact.friction': is given in sweep.csv, too"),
         ("friction,height\n0.1\n", r"points.csv:2: 1 values for 2 columns"),
         ("friction\n-1\n", r"points.csv:2: .*greater than or equal to 0"),

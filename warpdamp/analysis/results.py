@@ -5,18 +5,14 @@ from __future__ import annotations
 import platform
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from ..errors import UsageError
 from ..files import whole_file
 from ..variables import NOT_RUN
 from ..version import PHYSICS_VERSION, __version__
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 CLAIMED = ("energy_dissipated", "effectiveness")
 """Variables whose mean over packings has the error of ``energy_mean``: spread, memory, averaging and step."""
@@ -41,8 +37,6 @@ def over_packings(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.Data
     mean, standard_error : xarray.DataArray
         Without the dimension ``seed``, in the unit of the variable.
     """
-    import xarray as xr
-
     value = dataset[name]
     errors = dataset.get(f"{name}_standard_error", xr.full_like(value, np.nan))
     done = ran(dataset)
@@ -90,8 +84,6 @@ def ran(dataset: xr.Dataset) -> xr.DataArray:
     xarray.DataArray of bool
         On the dimensions of ``status``.
     """
-    import xarray as xr
-
     return dataset["status"] != NOT_RUN if "status" in dataset else xr.ones_like(dataset["seed"], bool)
 
 
@@ -133,8 +125,6 @@ def read(path: Path) -> xr.Dataset:
     FileNotFoundError
         If there is no such file.
     """
-    import xarray as xr
-
     try:
         dataset = xr.load_dataset(path)
     except ValueError:

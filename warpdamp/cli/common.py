@@ -65,9 +65,9 @@ def progress():
         yield _plain_progress()
         return
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
-    columns = (TextColumn("{task.description:8}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description:8}"), BarColumn(), TaskProgressColumn(), _time_left_column())
     with Progress(*columns, console=Console(stderr=True)) as progress:
         tasks = {}
 
@@ -77,6 +77,25 @@ def progress():
             progress.update(tasks[stage], completed=done)
 
         yield report
+
+
+def _time_left_column():
+    """Column with the time left, from the mean rate since the stage began: stages advance in steps of many seconds."""
+    from rich.progress import ProgressColumn, Task
+    from rich.text import Text
+
+    class TimeLeft(ProgressColumn):
+        at: dict[int, tuple[float, float]] = {}  # noqa: RUF012 - of one progress display
+
+        def render(self, task: Task) -> Text:
+            done, elapsed = task.percentage / 100, task.finished_time or task.elapsed or 0.0
+            before, since = self.at.get(task.id, (0.0, 0.0))
+            if done != before:
+                before, since = self.at[task.id] = done, elapsed
+            left = since * (1 - before) / before - (elapsed - since) if before else 0.0
+            return Text(f"{max(0, left) / 60:.1f} min left" if before and done < 1 else "")
+
+    return TimeLeft()
 
 
 def _plain_progress():

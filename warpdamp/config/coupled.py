@@ -124,7 +124,7 @@ class BaseAmplitude(Model):
 
     @property
     def amplitude(self) -> float:
-        """Of the acceleration [m/s^2]."""
+        """Amplitude of the acceleration [m/s^2]."""
         return self.gamma * STANDARD_GRAVITY
 
 

@@ -46,7 +46,7 @@ def decimal_commas(text: str) -> tuple[int, int, str] | None:
 
 
 def relevant(errors, data, root):
-    """The errors worth a line: one a place, the most relevant branch of a union, no echo of a misspelt key."""
+    """Errors worth a line: one a place, the most specific branch of a union, no echo of a misspelt key."""
     best: dict = {}
     for error in map(lambda error: _decimal_comma(error, data), errors):
         ours = len(error["loc"]) - (error["type"] == "extra_forbidden")  # an unknown key may look like a union's name

@@ -13,7 +13,7 @@ _GROUPED = r"[1-9]\d{0,2}(?P<mark>[\s'\u2019])\d{3}(?:(?P=mark)\d{3})*(?!\d)(?:\
 _PLAIN = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _FRACTION = r"(?:(?P<whole>\d{1,9})\s+)?(?P<over>[1-9]\d{0,8})\s*/\s*(?P<under>\d{1,9})(?![\d.])"
 _QUANTITY = re.compile(rf"\s*(?P<sign>[-+]?)(?:{_FRACTION}|(?P<decimal>{_GROUPED}|{_PLAIN}))\s*(?P<unit>.*?)\s*")
-_EXPONENT = re.compile(r"(?:(?:\^|\*\*)\s*\(?|(?<=[^\W\d_]))[-+]?\d(?:\.\d+)?(?!\d)")  # ^3, **-3, ^-0.5, m3, m-3
+_EXPONENT = re.compile(r"(?:(?:\^|\*\*)\s*\(?[-+]?\d(?:\.\d)?|(?<=[^\W\d_])[-+]?\d)(?!\d)")  # ^3, **-3, ^-0.5, m3, m-3
 _POWER = re.compile(r"(?<=[^\W\d_])([-+]?\d)")  # m3, m-3
 _TURNS = ("rad", "turn", "rev", "rpm", "deg", "cycle")
 COMMON = {

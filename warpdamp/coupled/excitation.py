@@ -1,4 +1,4 @@
-"""What moves the structure of a coupled run, and how finely it has to be sampled: configuration -> Signal."""
+"""Excitation of a coupled run, and the steps that resolve it: configuration -> Signal."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def content(own: CoupledConfig, signal: Signal | None) -> float:
 
 
 def largest_speed(mount: Mount, modes: Modes, particles: float, duration: float) -> float:
-    """Of the enclosure [m/s], if the particles were one rigid mass [kg]: the step is chosen for it."""
+    """Speed of the enclosure [m/s], if the particles were one rigid mass [kg]: the step is chosen for it."""
     if mount.excitation is None:
         return mount.speed
     time = forces.moments(mount.excitation, duration)

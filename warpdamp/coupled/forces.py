@@ -1,4 +1,4 @@
-"""What moves a structure, a force or its base, as samples with straight lines between."""
+"""Signals that move a structure, a force or its base's acceleration, as samples with straight lines between."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def applied(signal: Signal, time: np.ndarray) -> np.ndarray:
 
 
 def root_mean_square(samples: np.ndarray) -> float:
-    """Of samples with straight lines between: the mean of (a^2 + a b + b^2) / 3."""
+    """Root mean square of samples with straight lines between: the mean of (a^2 + a b + b^2) / 3."""
     a, b = samples[:-1], samples[1:]
     return float(np.sqrt(np.mean(a * a + a * b + b * b) / 3))
 

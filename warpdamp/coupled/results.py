@@ -63,7 +63,7 @@ def assembled(
 
 
 def _root_mean_squares(own: CoupledConfig, dataset: xr.Dataset, signals: list[Signal]) -> xr.Dataset:
-    """Of noise and of its answer: as applied, as the table says, and of the acceleration in the run's second half."""
+    """Root mean squares of noise and of its answer: applied, tabulated, and of the acceleration in the second half."""
     import xarray as xr
 
     random = own.signals.random
@@ -82,7 +82,7 @@ def _root_mean_squares(own: CoupledConfig, dataset: xr.Dataset, signals: list[Si
 
 
 def _identified(own: CoupledConfig, runs, found, shape) -> xr.Dataset:
-    """What an experimenter would read off the records."""
+    """Dataset of what an experimenter would identify from the records."""
     import xarray as xr
 
     mount = runs[0, 0].scene.mount

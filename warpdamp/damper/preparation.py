@@ -316,7 +316,7 @@ def _settled(scene: Scene, state: State, time: float | None, numerics: Numerics)
 
 
 def frictionless(scene: Scene) -> Scene:
-    """The same scene without sliding and rolling friction; restitutions stay."""
+    """Scene without sliding and rolling friction; restitutions stay."""
 
     def bare(surfaces):
         if isinstance(surfaces, Surface):
@@ -418,7 +418,7 @@ def _free_height(scene: Scene, state: State, numerics: Numerics) -> float:
 
 
 def measured_clearance(scene: Scene, state: State, numerics: Numerics = _USUAL) -> float:
-    """How far the centre of mass travels along the axis between rest on the floor and rest against the lid [m].
+    """Travel of the centre of mass along the axis between rest on the floor and rest against the lid [m].
 
     Standard gravity along the axis, down and then up, whatever the scene's own; not a number without floor or lid.
     """

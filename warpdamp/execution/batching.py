@@ -27,6 +27,9 @@ so that all workers finish together."""
 SMALLEST_SHARE = 50
 """A batch is no less than one of so many shares of each worker in the whole."""
 
+FEW_BEDS = 32
+"""Up to so many beds, a batch holds cases of one, so that it can start before the others are made."""
+
 SLOWEST = 3e-6
 """Seconds that a particle-step may take (thirty times what is usual) before a worker counts as hanging."""
 
@@ -50,10 +53,11 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list
     left = sum(costs.values())
     smallest = left / (SMALLEST_SHARE * workers)
     order = sorted(members, key=lambda head: (-costs[head], head))
-    open_batches: dict[int, tuple[list, float]] = {}
+    by_bed = len(np.unique(plan.bed[heads])) <= FEW_BEDS
+    open_batches: dict[tuple, tuple[list, float]] = {}
     for head in order:
         chain = members[head]
-        group = int(plan.group[head])
+        group = int(plan.group[head]), int(plan.bed[head]) if by_bed else -1
         batch, cost = open_batches.pop(group, ([], 0.0))
         batch.append(chain)
         cost += costs[head]

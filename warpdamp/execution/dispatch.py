@@ -7,9 +7,9 @@ import os
 import platform
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -46,16 +46,22 @@ class Job:
         How often it did not come back.
     suspect : bool
         Whether it runs with nothing else in progress.
+    needs : frozenset
+        Names of the jobs that must have ended, well or not, before it starts.
+    name : hashable or None
+        By which others need it.
     """
 
     parts: list
     limit: float
     losses: int = 0
     suspect: bool = False
+    needs: frozenset = frozenset()
+    name: Hashable = None
 
     def apart(self) -> list[Job]:
         """Jobs of one part each."""
-        return [Job([part], self.limit, 0, True) for part in self.parts]
+        return [replace(self, parts=[part], losses=0, suspect=True) for part in self.parts]
 
 
 @dataclass(frozen=True)
@@ -67,9 +73,9 @@ class Abandoned:
 
 
 def run_jobs(
-    jobs: Iterator[Job],
+    jobs: Iterator[Job | None],
     pool: WorkerPool,
-    submit: Callable[[Job], tuple],
+    submit: Callable[[Job], tuple | None],
     report: Callable[[int], None],
     folder: Path,
     *,
@@ -80,9 +86,10 @@ def run_jobs(
     Parameters
     ----------
     jobs : iterator of Job
+        In the order in which they start, as far as what they need has ended; None where there is none at the moment.
     pool : WorkerPool
     submit : callable
-        From a job to a call and its arguments.
+        From a job to a call and its arguments, or None if there is nothing left to do for it.
     report : callable
         Given the number of jobs in progress, at every look.
     folder : Path
@@ -142,6 +149,8 @@ class _Dispatcher:
         self.source, self.pool, self.submit = iter(jobs), pool, submit
         self.folder, self.clock = folder, clock
         self.in_flight: dict[Future, _Running] = {}
+        self.waiting: list[Job] = []
+        self.ended: set[Hashable] = set()
         self.retries: deque[Job] = deque()
         self.suspects: deque[Job] = deque()
         self.lost: list[_Lost] = []
@@ -152,7 +161,10 @@ class _Dispatcher:
             job = self._following()
             if job is None:
                 break
-            call, *arguments = self.submit(job)
+            order = self.submit(job)
+            if order is None:
+                continue
+            call, *arguments = order
             marker = self.folder / f".started-{platform.node()}-{os.getpid()}-{next(_numbers)}.tmp"
             try:
                 future = self.pool.submit(_announced, str(marker), call, tuple(arguments))
@@ -163,12 +175,17 @@ class _Dispatcher:
         return bool(self.in_flight)
 
     def _following(self) -> Job | None:
+        """Next job that can start: one to retry, one that has waited, one from the source; a suspect if nothing runs."""
         if self.retries:
             return self.retries.popleft()
-        job = next(self.source, None)
-        if job is None and self.suspects and not self.in_flight:
-            return self.suspects.popleft()
-        return job
+        for k, job in enumerate(self.waiting):
+            if job.needs <= self.ended:
+                return self.waiting.pop(k)
+        while (job := next(self.source, None)) is not None:
+            if job.needs <= self.ended:
+                return job
+            self.waiting.append(job)
+        return self.suspects.popleft() if self.suspects and not self.in_flight else None
 
     def _landed(self, future: Future) -> Job:
         """Remove a job from those in progress."""
@@ -188,6 +205,7 @@ class _Dispatcher:
                     raise
                 self.lost.append(_Lost(job, f"its worker died: {error}"))
             else:
+                self.ended.add(job.name)
                 yield job, result
 
     def abandoned(self) -> Iterator[tuple[Job, Abandoned]]:
@@ -202,6 +220,7 @@ class _Dispatcher:
                 lost += [_Lost(job, "its worker died, or another's did") for job in others]
         for loss in lost:
             if not self._retried(loss):
+                self.ended.add(loss.job.name)
                 yield loss.job, Abandoned(loss.overdue, loss.reason)
 
     def _overdue(self) -> list[_Lost]:

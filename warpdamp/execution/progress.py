@@ -58,11 +58,11 @@ def _run_line(run: dict) -> str:
     spent = run["seen"] - run["started"]
     part = f", part {run['part']}" if run["part"] else ""
     left = "not known yet"
-    if run["done"]:
-        left = duration(spent * (run["cases"] - run["done"]) / run["done"])
+    if run["share"] > 0:
+        left = duration((run["seen"] - run["first_case"]) * (1 - run["share"]) / run["share"])
     return (
         f"in progress: process {run['process']} on {run['host']}{part}: {run['done']} of {run['cases']} cases in "
-        f"{duration(spent)}, {run['batches_at_work']} batches in progress, {run['unfinished']} failed; "
+        f"{duration(spent)}, {run['jobs_at_work']} jobs in progress, {run['unfinished']} failed; "
         f"time left: {left}"
     )
 

@@ -49,7 +49,9 @@ class RunLog:
             "cases": cases,
             "done": 0,
             "unfinished": 0,
-            "batches_at_work": 0,
+            "jobs_at_work": 0,
+            "share": 0.0,
+            "first_case": 0.0,
             "cpu": 0.0,
             "advancing": 0.0,
             "ended": "",
@@ -105,9 +107,17 @@ class RunLog:
         self.state["unfinished"] += cases
         self._now_and_then()
 
-    def at_work(self, batches: int) -> None:
-        """Record the number of batches in progress."""
-        self.state["batches_at_work"] = batches
+    def cases_start(self) -> None:
+        """Record that cases are given to a worker; the first time is when the time left is counted from."""
+        self.state["first_case"] = self.state["first_case"] or time.time()
+
+    def progress(self, share: float) -> None:
+        """Record the part of the work that is done, 0 to 1."""
+        self.state["share"] = share
+
+    def at_work(self, jobs: int) -> None:
+        """Record the number of jobs in progress."""
+        self.state["jobs_at_work"] = jobs
         self._now_and_then()
 
     def _now_and_then(self) -> None:

@@ -1,10 +1,9 @@
-"""Runner of a study's cases: compiles kernels, makes each bed once, then runs batches."""
+"""Running of a study's cases: kernels, beds and batches of cases, each as soon as what it needs is there."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,30 +12,50 @@ from ..status import Status
 from .adaptive import needed_cases
 from .batching import batches, limit
 from .dispatch import Abandoned, Job, run_jobs
+from .estimate import Estimate
 from .store import Finished
-from .worker import Work, make_bed, shake_and_keep
+from .worker import Work, compile_kernels, make_bed, shake_and_keep
 
 if TYPE_CHECKING:
+    from ..damper.case import Spec
     from ..sweep.plan import Plan
     from .executors import WorkerPool
     from .run_log import RunLog
     from .store import Store
 
 LONGEST_BED = 7200.0
-"""Seconds after which a worker that makes a bed counts as hanging."""
+"""Seconds after which a worker that compiles kernels or makes a bed counts as hanging."""
+
+
+class KernelJob(Job):
+    """Kernels to compile; its part is a scene and a set of effects."""
+
+
+class BedJob(Job):
+    """Bed to make; its part is the bed's position in the plan."""
+
+
+class CaseJob(Job):
+    """Cases to run; its parts are chains of their numbers."""
+
+
+STAGES = {KernelJob: "kernels", BedJob: "beds"}
 
 
 class Runner:
-    """Runner of the cases of a study on a pool of workers.
+    """Runner of the cases of a study.
 
     Parameters
     ----------
     plan : Plan
-    store : Store of the finished cases
+    store : Store
+        Where results are kept.
     pool : WorkerPool
     run_log : RunLog
-    limit : seconds after which a batch counts as hanging; None: by its cost
-    report : called as ``report(stage, part_done)``
+    limit : float or None
+        Seconds after which a job counts as hanging; None: by its cost.
+    report : callable
+        Called as ``report(stage, part_done)``; the stages are kernels, beds and cases.
     """
 
     def __init__(
@@ -50,96 +69,143 @@ class Runner:
     ):
         self.plan, self.store, self.pool = plan, store, pool
         self.run_log, self.limit, self.report = run_log, limit, report
+        self._numbers = np.zeros(0, int)
+        self._estimate = Estimate(plan, self._numbers)
+        self._planned: dict = {}
+        self._ended = dict.fromkeys(STAGES, 0)
+        self._failed_beds: dict[int, tuple[str, str]] = {}
+        self._new_results = False
 
-    def run(self, numbers: np.ndarray) -> None:
-        """Run the cases of these numbers.
+    def run(self, numbers: np.ndarray, further: Callable[[], np.ndarray]) -> None:
+        """Run cases.
+
+        Parameters
+        ----------
+        numbers : (n,) array
+            Numbers of the cases.
+        further : callable
+            Returns numbers of cases that the results so far require beside those that it has returned before.
 
         Raises
         ------
         ConfigError
             If none of the study's beds can be made.
         """
-        self.report("kernels", 0.0)
-        self._warm_up(numbers)
-        self.report("kernels", 1.0)
-        failed_beds = self._make_beds(numbers, partial(self.report, "beds"))
-        failed = numbers[np.isin(self.plan.bed[numbers], list(failed_beds))]
-        if len(failed) == len(needed_cases(self.plan, Finished())):
-            reason, key = next(iter(failed_beds.values()))
-            raise self.plan.cases.config.error(key, reason)
-        if len(failed):
-            self._fail(failed, Status.FAILED, lambda number: failed_beds[int(self.plan.bed[number])][0])
-        if len(failed) < len(numbers):
-            self._run_cases(np.setdiff1d(numbers, failed), partial(self.report, "cases"))
+        end = {KernelJob: self._kernels_compiled, BedJob: self._bed_made, CaseJob: self._cases_run}
+        jobs = self._jobs(numbers, further)
+        for job, result in run_jobs(jobs, self.pool, self._order, self.run_log.at_work, self.store.folder):
+            end[type(job)](job, result)
+        self._refuse_if_no_bed_can_be_made()
 
-    def _warm_up(self, numbers: np.ndarray) -> None:
-        """Compile all kernels, before workers need them."""
+    def _jobs(self, numbers: np.ndarray, further: Callable[[], np.ndarray]) -> Iterator[Job | None]:
+        """Jobs of the numbers given, then of further ones as results require them; None while none are known."""
+        while True:
+            if len(numbers):
+                self._numbers = np.union1d(self._numbers, numbers)
+                self._estimate.add(numbers)
+                yield from self._first_jobs(numbers)
+                yield from self._case_jobs(numbers)
+            while not self._new_results:
+                yield None
+            self._new_results = False
+            numbers = further()
+
+    def _first_jobs(self, numbers: np.ndarray) -> Iterator[Job]:
+        """Jobs for kernels and beds that cases need and no job was made for yet."""
         from ..damper.preparation import effects
-        from ..damper.shake import warm_up
 
-        compiled = set()
-        for group in np.unique(self.plan.group[numbers]):
-            number = int(numbers[np.argmax(self.plan.group[numbers] == group)])
-            spec, _ = self.plan.cases.spec(number)
-            needed = {spec.effects} | effects(spec.bed)
-            for effects_set in sorted(needed - compiled, key=str):
-                warm_up(spec.scene, effects_set)
-            compiled |= needed
+        longest, examples = self.limit or LONGEST_BED, list(self.plan.beds.values())
+        beds = {int(bed): self.plan.cases.spec(examples[bed])[0] for bed in np.unique(self.plan.bed[numbers])}
+        scenes = {needed: spec.scene for spec in beds.values() for needed in (spec.effects, *effects(spec.bed))}
+        groups = np.unique(self.plan.group[numbers], return_index=True)[1]
+        for spec, _ in map(self.plan.cases.spec, numbers[groups]):
+            scenes[spec.effects] = spec.scene
+        jobs: list[Job] = [KernelJob([(scenes[e], e)], longest, name=e) for e in sorted(scenes, key=str)]
+        jobs += [BedJob([bed], longest, needs=frozenset(effects(s.bed)), name=bed) for bed, s in beds.items()]
+        fresh = {job.name: job for job in jobs if job.name not in self._planned}
+        self._planned |= fresh
+        for kind in STAGES:
+            self._report_stage(kind)
+        yield from fresh.values()
 
-    def _make_beds(self, numbers: np.ndarray, report: Callable[[float], None]) -> dict[int, tuple[str, str]]:
-        """Make the beds; returns (reason, key to look at) of those that fail, by position in the plan."""
-        positions = np.unique(self.plan.bed[numbers])
-        examples = list(self.plan.beds.values())
-
-        def call(job: Job):
-            return make_bed, self.plan.cases.spec(examples[job.parts[0]])[0].bed
-
-        each = (Job([int(position)], self.limit or LONGEST_BED) for position in positions)
-        failed = {}
-        report(0.0)
-        for done, (job, result) in enumerate(self._run(each, call), 1):
-            if isinstance(result, Abandoned):
-                result = f"the bed could not be made: {result.reason}", "damper"
-            if result is not None:
-                failed[job.parts[0]] = result
-                self.run_log.log(logging.WARNING, f"a bed cannot be made: {result[0]}")
-            report(done / len(positions))
-        return failed
-
-    def _run(self, jobs: Iterator[Job], submit: Callable[[Job], tuple]) -> Iterator[tuple[Job, object]]:
-        return run_jobs(jobs, self.pool, submit, self.run_log.at_work, self.store.folder)
-
-    def _run_cases(self, numbers: np.ndarray, report: Callable[[float], None]) -> None:
-        total, shaken = float(self.plan.cost[numbers].sum()), 0.0
-        report(0.0)
-        for job, result in self._run(self._jobs(numbers), self._order):
-            members = [number for chain in job.parts for number in chain]
-            if isinstance(result, Abandoned):
-                status = Status.OVERDUE if result.overdue else Status.DIED
-                self._fail(members, status, lambda _, reason=result.reason: reason)
-            else:
-                self.run_log.finished(result)
-            shaken += float(self.plan.cost[members].sum())
-            report(min(1.0, shaken / total))
-
-    def _jobs(self, numbers: np.ndarray) -> Iterator[Job]:
+    def _case_jobs(self, numbers: np.ndarray) -> Iterator[Job]:
         for chains in batches(self.plan, numbers, self.pool.size):
-            yield Job(chains, self.limit or limit(self.plan, chains))
+            first = [chain[0] for chain in chains]
+            effects, _ = self.plan.groups[self.plan.group[first[0]]]
+            needs = frozenset([effects, *map(int, self.plan.bed[first])])
+            yield CaseJob(chains, self.limit or limit(self.plan, chains), needs=needs)
 
-    def _order(self, job: Job) -> tuple:
+    def _order(self, job: Job) -> tuple | None:
         """Call that a worker makes for a job, and its arguments."""
-        cases, keys = self.plan.cases, self.plan.keys
-        chains = [[cases.spec(number)[0] for number in chain] for chain in job.parts]
-        known = {
-            spec.index: bytes(keys[number])
-            for specs, chain in zip(chains, job.parts, strict=True)
-            for spec, number in zip(specs, chain, strict=True)
-        }
-        _, criteria = self.plan.groups[self.plan.group[job.parts[0][0]]]
-        return shake_and_keep, str(self.store.folder), Work(chains, known, criteria)
+        if isinstance(job, KernelJob):
+            return compile_kernels, *job.parts[0]
+        if isinstance(job, BedJob):
+            example = list(self.plan.beds.values())[job.parts[0]]
+            return make_bed, self.plan.cases.spec(example)[0].bed
+        job.parts = [chain for chain in job.parts if int(self.plan.bed[chain[0]]) not in self._failed_beds]
+        return (shake_and_keep, str(self.store.folder), self._work(job.parts)) if job.parts else None
 
-    def _fail(self, numbers, status: Status, why: Callable[[int], str]) -> None:
+    def _work(self, chains: list[list[int]]) -> Work:
+        self.run_log.cases_start()
+        specs: list[list[Spec]] = [[self.plan.cases.spec(number)[0] for number in chain] for chain in chains]
+        keys = {
+            spec.index: bytes(self.plan.keys[number])
+            for chain_specs, chain in zip(specs, chains, strict=True)
+            for spec, number in zip(chain_specs, chain, strict=True)
+        }
+        _, criteria = self.plan.groups[self.plan.group[chains[0][0]]]
+        return Work(specs, keys, criteria)
+
+    def _kernels_compiled(self, job: KernelJob, result) -> None:
+        if isinstance(result, Abandoned):
+            self.run_log.log(logging.WARNING, f"kernels could not be compiled: {result.reason}")
+        self._ended[KernelJob] += 1
+        self._report_stage(KernelJob)
+
+    def _bed_made(self, job: BedJob, result) -> None:
+        """Note a bed; if it cannot be made, its cases have failed."""
+        if isinstance(result, Abandoned):
+            result = f"the bed could not be made: {result.reason}", "damper"
+        if result is not None:
+            (bed,) = job.parts
+            self._failed_beds[bed] = result
+            self.run_log.log(logging.WARNING, f"a bed cannot be made: {result[0]}")
+            self._fail(self._numbers[self.plan.bed[self._numbers] == bed], Status.FAILED, result[0])
+        self._ended[BedJob] += 1
+        self._report_stage(BedJob)
+
+    def _cases_run(self, job: CaseJob, result) -> None:
+        members = np.array([number for chain in job.parts for number in chain])
+        if isinstance(result, Abandoned):
+            self._fail(members, Status.OVERDUE if result.overdue else Status.DIED, result.reason)
+            return
+        self.run_log.finished(result)
+        self._count(members, result.particle_steps)
+
+    def _fail(self, numbers: np.ndarray, status: Status, reason: str) -> None:
         """Store cases that could not be run, with their status and the reason."""
-        rows = [(bytes(self.plan.keys[n]), {"status": int(status), "message": why(n)}) for n in numbers]
-        self.store.write(rows)
-        self.run_log.failed(len(rows))
+        self.store.write([(bytes(self.plan.keys[n]), {"status": int(status), "message": reason}) for n in numbers])
+        self.run_log.failed(len(numbers))
+        self._count(numbers, 0.0)
+
+    def _count(self, numbers: np.ndarray, particle_steps: float) -> None:
+        self._new_results = True
+        self._estimate.finished(numbers, particle_steps)
+        self.run_log.progress(self._estimate.share)
+        self.report("cases", self._estimate.share)
+
+    def _report_stage(self, kind: type[Job]) -> None:
+        planned = sum(isinstance(job, kind) for job in self._planned.values())
+        self.report(STAGES[kind], self._ended[kind] / planned if planned else 1.0)
+
+    def _refuse_if_no_bed_can_be_made(self) -> None:
+        """Raise if every bed of the study failed.
+
+        Raises
+        ------
+        ConfigError
+        """
+        needed = needed_cases(self.plan, Finished())
+        if self._failed_beds and np.isin(self.plan.bed[needed], list(self._failed_beds)).all():
+            reason, key = next(iter(self._failed_beds.values()))
+            raise self.plan.cases.config.error(key, reason)

@@ -14,6 +14,8 @@ from .store import Store
 
 if TYPE_CHECKING:
     from ..damper.case import Criteria, Request, Spec
+    from ..scene.effects import Effects
+    from ..scene.scene import Scene
 
 _alone = threading.Lock()
 """A process runs one batch at a time: Dask may give a worker several threads, Warp's runtime serves one."""
@@ -45,6 +47,7 @@ class Outcome:
     unfinished : those of them that could not be run
     seconds : of wall time
     cpu : of processor time, and what of it was spent in advancing cases [s]
+    particle_steps : that the cases took
     records : log records (level, message)
     """
 
@@ -53,6 +56,7 @@ class Outcome:
     seconds: float = 0.0
     cpu: float = 0.0
     advancing: float = 0.0
+    particle_steps: float = 0.0
     records: list[tuple[int, str]] = field(default_factory=list)
 
 
@@ -76,6 +80,7 @@ def shake_and_keep(folder: str, work: Work) -> Outcome:
             seconds=time.perf_counter() - started,
             cpu=time.process_time() - cpu,
             advancing=sum(value.get("cpu_time", 0.0) for _, value in results),
+            particle_steps=_particle_steps(work.chains, results),
             records=records,
         )
 
@@ -93,6 +98,19 @@ def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[in
             message = f"{type(error).__name__}: {error}"
             return [(spec.index, {"status": int(Status.FAILED), "message": message}) for spec in chains[0]]
     return [result for chain in chains for result in _values([chain], criteria)]
+
+
+def _particle_steps(chains: list[list[Spec]], results) -> float:
+    particles = {spec.index: len(spec.bed.grains) for chain in chains for spec in chain}
+    return float(sum(values.get("steps", 0) * particles[index] for index, values in results))
+
+
+def compile_kernels(scene: Scene, effects: Effects) -> None:
+    """Compile the kernels of a set of effects into the cache on disk."""
+    from ..damper.shake import warm_up
+
+    with _alone:
+        warm_up(scene, effects)
 
 
 def make_bed(request: Request) -> tuple[str, str] | None:

@@ -167,6 +167,10 @@ def per_mode(dataset: xr.Dataset, values):
 def require_modes(dataset: xr.Dataset) -> None:
     """Refuse a Dataset of a damper without a structure.
 
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+
     Raises
     ------
     ModalError
@@ -203,6 +207,15 @@ class ComplexMass:
     def of(cls, dataset: xr.Dataset) -> ComplexMass:
         """Complex mass of a Dataset, mean over seeds; Gammas at which a case failed are left out.
 
+        Parameters
+        ----------
+        dataset : xarray.Dataset
+            Results, swept scalars selected.
+
+        Returns
+        -------
+        ComplexMass
+
         Raises
         ------
         ModalError
@@ -223,7 +236,17 @@ class ComplexMass:
         return cls(mass["frequency"].values, mass["gamma"].values, mass.values, "natural_frequency" in dataset)
 
     def __call__(self, frequency, gamma) -> np.ndarray:
-        """Complex mass [kg] at frequencies [Hz] and Gammas, broadcast against each other.
+        """Complex mass m' - j m'' at frequencies and Gammas, broadcast against each other [kg].
+
+        Parameters
+        ----------
+        frequency, gamma : arrays
+            [Hz], [-].
+
+        Returns
+        -------
+        complex array
+            [kg].
 
         Raises
         ------
@@ -241,7 +264,16 @@ class ComplexMass:
         return np.sum(mass * self._weights(frequency), axis=-1)
 
     def within(self, gamma) -> np.ndarray:
-        """Whether Gammas lie in the range of the results, (...) array of bool."""
+        """Whether Gammas lie in the range of the results.
+
+        Parameters
+        ----------
+        gamma : (...) array
+
+        Returns
+        -------
+        (...) array of bool
+        """
         return (np.asarray(gamma) >= self.gamma[0]) & (np.asarray(gamma) <= self.gamma[-1])
 
     @cached_property

@@ -53,21 +53,52 @@ def real_mode(mass_ratio: float, stiffness_ratio: float, effectiveness: float = 
 
 
 def pole_damping(square: complex) -> float:
-    """Damping ratio [-] of the free decay exp(s t), -Re s / |s| with s = j w sqrt(1 + j eta), from w^2 (1 + j eta)."""
+    """Damping ratio of the free decay exp(s t), -Re s / |s| with s = j w sqrt(1 + j eta) [-].
+
+    Parameters
+    ----------
+    square : complex
+        w^2 (1 + j eta), as from ``complex_mode``.
+
+    Returns
+    -------
+    float
+    """
     s = 1j * np.sqrt(square)
     return float(abs(s.real) / abs(s))
 
 
 def energy_damping(square: complex) -> float:
-    """Half the loss factor, eta / 2 [-], from w^2 (1 + j eta).
+    """Half the loss factor, eta / 2 [-].
 
     That is the energy lost per cycle over 4 pi times the kinetic energy, as eq. 6 counts it.
+
+    Parameters
+    ----------
+    square : complex
+        w^2 (1 + j eta), as from ``complex_mode``.
+
+    Returns
+    -------
+    float
     """
     return square.imag / square.real / 2
 
 
 def rigid_damping(mass_ratio: float, effectiveness: float = 1.0) -> float:
-    """Damping ratio with a rigid spring, (2 / pi) eps r_m / (1 + r_m) [-]."""
+    """Damping ratio with a rigid spring, (2 / pi) eps r_m / (1 + r_m) [-].
+
+    Parameters
+    ----------
+    mass_ratio : float
+        r_m [-].
+    effectiveness : float
+        eps [-].
+
+    Returns
+    -------
+    float
+    """
     return 2 / math.pi * effectiveness * mass_ratio / (1 + mass_ratio)
 
 

@@ -119,7 +119,7 @@ def _of_a_quarter(beam: Beam, section, masses, highest: int):
 
 
 def _of_a_mesh(beam: Beam, section, masses, highest: int):
-    """The same of a beam whose section is a mesh, as fine as it may be, and what error the mesh makes."""
+    """Modes of a beam whose section is a mesh, as fine as possible, and the error of that mesh."""
     axis = BENDS[beam.bends]
     ends = tuple(HELD.get(support, ()) for support in beam.supports)
     stations = _stations(beam, section, masses)

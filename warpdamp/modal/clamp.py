@@ -1,4 +1,4 @@
-"""What part of a meshed solid is held."""
+"""Clamped parts of a meshed solid."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..errors import ModalError
 
 @dataclass(frozen=True)
 class Clamp:
-    """What part of a solid is held: a boundary or a set of nodes that the mesh's file names, or all nodes in a box.
+    """Clamped part of a solid: a boundary or a set of nodes that the mesh's file names, or all nodes in a box.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ class Clamp:
     box: tuple[tuple[float, float] | None, ...] = (None, None, None)
 
     def nodes(self, basis, sets=None) -> np.ndarray:
-        """(n,) array of bool, which nodes of a basis it holds.
+        """Nodes of a basis that the clamp holds, (n,) array of bool.
 
         ``sets`` are places (3, k) [m] by the names of sets of nodes.
 

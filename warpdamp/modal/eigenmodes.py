@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 
 
 class Elastic(Protocol):
-    """What modes are found of: n displacements, some of them held.
+    """Elastic system of n displacements, some of them held, whose modes are sought.
 
     Attributes
     ----------
@@ -46,12 +46,12 @@ class Attached:
 
     @property
     def mass(self) -> spmatrix:
-        """(n, n) what they add to the mass matrix [kg]."""
+        """Contribution to the mass matrix, (n, n) [kg]."""
         rows = self.rows[self.weights != 0]
         return rows.T @ diags(self.weights[self.weights != 0]) @ rows
 
     def inverse(self, solid: Elastic, free: np.ndarray) -> LinearOperator:
-        """That of K - s M with what is attached in M, for the displacements ``free`` of a solid."""
+        """Inverse of K - s M with what is attached in M, for the displacements ``free`` of a solid."""
         shape = (len(free), len(free))
         counted = self.weights != 0
         if solid.shift == 0 or not counted.any():
@@ -68,7 +68,7 @@ class Attached:
 
 
 def elastic_modes(solid: Elastic, attached: Attached, select: Callable, *, count: int):
-    """The lowest modes that strain the solid, mass-normalised.
+    """Lowest modes that strain the solid, mass-normalised.
 
     On one thread: two gain little, they stand in each other's way where others work, and the last bits would depend
     on the number of cores.

@@ -47,7 +47,7 @@ class Carried(NamedTuple):
 
 @dataclass(frozen=True)
 class Extrusion:
-    """A section swept along x.
+    """Section swept along x.
 
     Parameters
     ----------
@@ -72,17 +72,17 @@ class Extrusion:
 
     @property
     def size(self) -> float:
-        """Of the section, about the least [m]."""
+        """Size of the section, about the least [m]."""
         return float(np.ptp(self.place, axis=1).min())
 
     def polynomials(self) -> list[np.ndarray]:
-        """The functions to begin with, for each axis."""
+        """Polynomials of the section to begin with, for each axis."""
         y, z = self.place / np.abs(self.place).max(axis=1)[:, None]
         powers = [y**i * z**j for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i)]
         return [orthonormal(np.stack(powers, axis=1), self.area) for _ in AXES]
 
     def residual(self, displacement, squares, carried) -> list[np.ndarray]:
-        """K u - w^2 M u of modes, for each axis (s, p m), where the section is not held.
+        """Residual K u - w^2 M u of modes, for each axis (s, p m), where the section is not held.
 
         Parameters
         ----------
@@ -105,7 +105,7 @@ class Extrusion:
 
     @cached_property
     def smoothers(self) -> list[Callable]:
-        """Solve (-Laplace + k^2) x = b in the section, one for each wave number."""
+        """Solvers of (-Laplace + k^2) x = b in the section, one for each wave number."""
         matrices = [self.laplace + (k / self.size) ** 2 * self.area for k in WAVE_NUMBERS]
         symmetric = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
         return [splu(matrix.tocsc(), **symmetric).solve for matrix in matrices]
@@ -123,7 +123,7 @@ def _along(matrix, u: np.ndarray) -> np.ndarray:
 
 
 def swept(section: Basis, stations, material: Material, ends) -> Extrusion:
-    """The extrusion of a plane basis on quadratic elements between ``stations`` [m]."""
+    """Extrusion of a plane basis on quadratic elements between ``stations`` [m]."""
     station, line = line_forms(stations)
     plane = forms(section, (VALUE, 0, 1))
     first, shear = lame(material)
@@ -142,7 +142,7 @@ def swept(section: Basis, stations, material: Material, ends) -> Extrusion:
 
 
 def orthonormal(functions: np.ndarray, mass, known: np.ndarray | None = None) -> np.ndarray:
-    """(s, r) functions orthonormal in ``mass`` that span those given, without what lies in the span of ``known``."""
+    """Functions (s, r) orthonormal in ``mass`` that span those given, without what lies in the span of ``known``."""
     for _ in range(2):  # once more for the digits that the first lost
         if known is not None:
             functions = functions - known @ (known.T @ (mass @ functions))

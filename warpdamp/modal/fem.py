@@ -53,7 +53,7 @@ class Solid:
 
     @property
     def motions(self) -> np.ndarray:
-        """(3 n, 6) displacements of three translations and three small rotations about the middle."""
+        """Displacements of three translations and three small rotations about the middle, (3 n, 6)."""
         zero, one = np.zeros(self.place.shape[1]), np.ones(self.place.shape[1])
         x, y, z = self.place - self.place.mean(axis=1)[:, None]
         columns = [
@@ -63,12 +63,12 @@ class Solid:
 
     @cached_property
     def shift(self) -> float:
-        """What moves without strain cannot be factorised, and a shift keeps clear of it [rad^2/s^2]."""
+        """Shift s of K - s M that makes it regular where rigid motions are left [rad^2/s^2]."""
         return 0.0 if is_held(self) else -self.guess
 
     @cached_property
     def inverse(self) -> Callable:
-        """Solves (K - s M) x = b for the displacements that are not held; factorised once."""
+        """Solver of (K - s M) x = b for the displacements that are not held; factorised once."""
         free = np.flatnonzero(~self.held)
         return factorised((self.stiffness - self.shift * self.mass)[free][:, free], free % self.place.shape[1])
 
@@ -125,7 +125,7 @@ def line_forms(stations) -> tuple[np.ndarray, dict]:
 
 
 def derivative(axis: int, along: int) -> tuple:
-    """Of what is extruded along an axis, d/d axis: the derivative along the line, and the one in the section."""
+    """Derivative d/d axis of an extruded function: the one along the line, and the one in the section."""
     return (0, None) if axis == along else (None, [other for other in AXES if other != along].index(axis))
 
 
@@ -137,7 +137,7 @@ def lame(material: Material) -> tuple[float, float]:
 
 
 def lowest_bending(material: Material, size) -> float:
-    """About the square of the lowest angular frequency of a free solid of some ``size`` (3,) [m], [rad^2/s^2]."""
+    """Estimate of the square of a free solid's lowest angular frequency by its ``size`` (3,) [m], [rad^2/s^2]."""
     thin, _, long = np.sort(size)
     return material.youngs_modulus / material.density / 12 * (math.pi**2 * thin / long**2) ** 2
 

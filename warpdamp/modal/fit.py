@@ -44,12 +44,14 @@ GROUPS = 10
 """Of points that the jackknife leaves out in turn."""
 FIXED_POINTS = 200
 """Of a band, that Dobson's differences are taken from at most."""
-ITERATIONS = 50
-"""Of a viscous mode's natural frequency; each divides its error by 1 / zeta or so."""
+ITERATIONS = 20
+"""Of a viscous mode's natural frequency; each divides its error by 10,000 or so."""
+CONVERGED = 1e-10
+"""Change of the natural frequency at which they end, over itself."""
 
 
 class Damping(StrEnum):
-    """What the damping of a mode goes with: its displacement, or its velocity."""
+    """Damping model of the fitted modes: structural (displacement) or viscous (velocity)."""
 
     STRUCTURAL = "structural"
     VISCOUS = "viscous"
@@ -222,7 +224,9 @@ def _left_out(count: int, groups: int):
 
 
 def quality(measured, fitted) -> float:
-    """Coefficient of determination of complex values, 1 - sum |a - fit|^2 / sum |a - mean|^2."""
+    """Coefficient of determination of complex values, 1 - sum |a - fit|^2 / sum |a - mean|^2; NaN of less than two."""
+    if len(measured) < 2:
+        return np.nan
     return float(1 - np.sum(np.abs(measured - fitted) ** 2) / np.sum(np.abs(measured - np.mean(measured)) ** 2))
 
 
@@ -240,7 +244,7 @@ def _pole(solve: Callable, f, a, damping: Damping, residual: bool) -> tuple[Fit,
             x = s - natural**2 / s
             pole, constant = solve(x, h)
             before, natural = natural, pole.real / 2 + np.sqrt(pole.real**2 / 4 + natural**2)
-            if not abs(natural - before) > 1e-13 * natural:
+            if not abs(natural - before) > CONVERGED * natural:
                 break
         ratio = pole.imag / natural / 2
     if not np.isfinite([natural, ratio, abs(constant)]).all():

@@ -90,12 +90,34 @@ class ModalModel:
         return cls(modes.frequency, modes.amplitude, damping, particle_mass)
 
     def receptance(self, frequency) -> np.ndarray:
-        """Receptance H = sum phi^2 / (w_r^2 (1 + j eta) - w^2) [m/N] at frequencies [Hz]."""
+        """Receptance H = sum phi^2 / (w_r^2 (1 + j eta) - w^2) [m/N].
+
+        Parameters
+        ----------
+        frequency : (...) array
+            [Hz].
+
+        Returns
+        -------
+        (...) complex array
+            [m/N].
+        """
         w = 2 * np.pi * np.asarray(frequency, float)[..., None]
         return np.sum(self.amplitude**2 / (self._stiffness - w**2), axis=-1)
 
     def dynamic_mass(self, frequency) -> np.ndarray:
-        """Dynamic mass, force per acceleration [kg], without the particles; add their complex mass."""
+        """Dynamic mass, force per acceleration, without the particles [kg]; add their complex mass.
+
+        Parameters
+        ----------
+        frequency : (...) array
+            [Hz].
+
+        Returns
+        -------
+        (...) complex array
+            [kg].
+        """
         w = 2 * np.pi * np.asarray(frequency, float)
         return -self.particle_mass - 1 / (w**2 * self.receptance(frequency))
 
@@ -163,6 +185,13 @@ def accelerance(
     ModalError
         If the results have no modes or swept scalars left, if a Gamma is outside their range, or if a frequency is not
         above 0.
+
+    Examples
+    --------
+    >>> from warpdamp import accelerance, open_results
+    >>> frf = accelerance(open_results("docs/beam.nc"), gamma=[2.0, 5.0])
+    >>> [round(100 * float(zeta), 1) for zeta in frf["resonance_damping_ratio"].sel(mode=1)]  # [%]
+    [1.8, 2.8]
     """
     import xarray as xr
 

@@ -33,7 +33,7 @@ class Curve:
 
     @classmethod
     def of(cls, frequency, values, kind: Ordinate, place: Callable[[int], str]) -> Curve:
-        """Values of any kind, sorted by frequency; a value at 0 Hz is left out, which is said.
+        """Curve from values of any kind, sorted by frequency; a value at 0 Hz is left out and reported.
 
         Parameters
         ----------
@@ -64,12 +64,13 @@ class Curve:
         if not len(above):
             raise ModalError(f"{place(0)}: there is no value above 0 Hz")
         frequency = frequency[above]
-        values = values[above] * (2j * np.pi * frequency) ** DERIVATIVES[kind]
+        with np.errstate(invalid="ignore", over="ignore"):  # refused below
+            values = values[above] * (2j * np.pi * frequency) ** DERIVATIVES[kind]
         if not (np.abs(values) < LARGEST).all():
             k = int(np.argmin(np.abs(values) < LARGEST))
             raise ModalError(f"{place(above[k])}: the value at {frequency[k]:g} Hz is too large or no number")
         return cls(frequency, values, said="the line at 0 Hz is left out" if len(above) < len(order) else "")
 
     def described(self, *said: str, name: str = "") -> Curve:
-        """The same curve with a name, and how it was read."""
+        """Curve with a name, and a description of how it was read."""
         return replace(self, name=name, said="; ".join(part for part in (*said, self.said) if part))

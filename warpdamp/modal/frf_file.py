@@ -58,8 +58,8 @@ def read_frf(
         return reader(path)
     try:
         curves = reader(path, **given, **chosen) if reader is read_frf_uff else [reader(path, **given)]
-    except TableError as error:
-        raise ModalError(str(error)) from None
+    except (ModalError, TableError) as error:
+        raise ModalError(_printable(str(error))) from None
     if len(curves) > 1 and not every:
         names = listed([curve.name for curve in curves])
         raise ModalError(
@@ -67,6 +67,11 @@ def read_frf(
             "number, or every one"
         )
     return _dataset(path, curves, several=every)
+
+
+def _printable(line: str) -> str:
+    """The line with whatever a damaged file would break it by spelt out."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)
 
 
 def _read_netcdf(path: Path) -> xr.Dataset:

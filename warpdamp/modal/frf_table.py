@@ -27,7 +27,7 @@ from .frf_units import SI, Ordinate, agreed, hertz, ordinate
 
 
 class Part(StrEnum):
-    """What a column holds."""
+    """Part of an FRF that a column holds."""
 
     FREQUENCY = "frequency"
     REAL = "real part"
@@ -80,7 +80,7 @@ _DECIBELS = re.compile(
 
 @dataclass(frozen=True)
 class Head:
-    """What the head of a column says: of what it is a part, in which unit, and given per force."""
+    """Head of a column: the part of the FRF, its unit, and what it is given per force."""
 
     part: Part
     unit: str
@@ -90,7 +90,7 @@ class Head:
 
 @dataclass(frozen=True)
 class Scale:
-    """What turns a column into values: its unit, empty where it names none, or dB relative to so many of it."""
+    """Scale of a column: its unit, empty where it names none, or dB relative to so many of it."""
 
     part: Part
     unit: str
@@ -100,18 +100,18 @@ class Scale:
 
     def applied(self, column: np.ndarray, default: str) -> np.ndarray:
         """Values in SI; ``default`` is the unit where the column names none."""
-        with np.errstate(over="ignore"):  # what is too large is refused with its line
+        with np.errstate(over="ignore"):
             amount = 10 ** (column / 20) if self.decibels else column
             return self.size * amount * ordinate(self.unit or default)[1]
 
     def shown(self, default: str) -> str:
-        """The unit in words."""
+        """Name of the unit."""
         unit = self.unit or default
         return f"dB relative to {self.size:g} {unit}" if self.decibels else unit
 
 
 def read_frf_table(file: Path, *, given: Ordinate | None = None, unit: str = "") -> Curve:
-    """An FRF from a text table.
+    """FRF from a text table.
 
     Parameters
     ----------
@@ -138,7 +138,8 @@ def read_frf_table(file: Path, *, given: Ordinate | None = None, unit: str = "")
     values = [scale.applied(heads[scale.part][1], default) for scale in scales]
     if Part.PHASE in heads:
         head, phase = heads[Part.PHASE]
-        complex_values = values[0] * np.exp(1j * _radians(head) * phase)
+        with np.errstate(invalid="ignore"):  # what is too large is refused with its line
+            complex_values = values[0] * np.exp(1j * _radians(head) * phase)
     else:
         parts = dict(zip([scale.part for scale in scales], values, strict=True))
         complex_values = parts[Part.REAL] + 1j * parts[Part.IMAGINARY]
@@ -147,7 +148,7 @@ def read_frf_table(file: Path, *, given: Ordinate | None = None, unit: str = "")
 
 
 def _heads(table: TextTable) -> list[Head]:
-    """What each column is; every part of an FRF once."""
+    """Heads of the columns; every part of an FRF once."""
     line = table.header_line or int(table.lines[0])
     if not table.columns:
         if table.values.shape[1] != 3:
@@ -214,7 +215,7 @@ def _scale(head: Head) -> Scale:
 
 
 def _read(reader, unit: str, where: str):
-    """What a unit means; an error at its place where it means nothing."""
+    """Unit as read by ``reader``; an error names its place."""
     try:
         return reader(unit)
     except ValueError as error:
@@ -222,7 +223,7 @@ def _read(reader, unit: str, where: str):
 
 
 def _kind_and_unit(named, scales: list[Scale], given: Ordinate | None, unit: str) -> tuple[Ordinate, str]:
-    """What the values are by names, units and options, which must agree, and the unit where a column names none."""
+    """Kind of the values by names, units and options, which must agree, and the unit where a column names none."""
     said = [*named, (given, "the option ordinate")]
     said += [(_read(ordinate, scale.unit, scale.where)[0], scale.where) for scale in scales if scale.unit]
     said += [(_read(ordinate, unit, "the option units")[0], "the option units")] if unit else []

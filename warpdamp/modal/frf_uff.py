@@ -22,7 +22,7 @@ import numpy as np
 from ..errors import ModalError
 from .frf_curve import Curve
 from .frf_units import SI, Ordinate, agreed, hertz, newtons, ordinate
-from .function_uff import COMPLEX, Axis, Function, function, values
+from .uff_functions import COMPLEX, Axis, Function, function, values
 from .uff_geometry import units as file_units
 from .uff_records import datasets
 
@@ -77,13 +77,13 @@ def read_frf_uff(
 
 
 def listed(functions: list[Function] | list[str]) -> str:
-    """The first functions of some, in words."""
+    """Text that lists the first of some functions."""
     more = f" and {len(functions) - SHOWN} more" if len(functions) > SHOWN else ""
     return "; ".join(map(str, functions[:SHOWN])) + more
 
 
 def _choice(asked, what: str) -> re.Pattern:
-    """What the degrees of freedom that are asked for look like."""
+    """Pattern of the degrees of freedom that are asked for."""
     if asked is None:
         return re.compile(".*")
     found = _FREEDOM.fullmatch(str(asked).strip())
@@ -105,14 +105,16 @@ def _curve(function: Function, system, given: Ordinate | None, unit: str, remark
         raise function.error("a rotation: only translations are read")
     kind, factor, unit_said = _scale(function, system, given, unit)
     hertz_each, abscissa_said = _abscissa(function)
-    x, data = values(function)
+    with np.errstate(invalid="ignore", over="ignore"):  # what is too large is refused with its place
+        x, data = values(function)
+        x, data = hertz_each * x, factor * data
 
     def place(k: int) -> str:
         return f"{function.dataset.file}:{function.dataset.line}: value {k + 1} of function {function.number}"
 
     load = f"load case {function.load_case}" if function.load_case else ""
     z = f"z-axis {function.z:g}" if function.z else ""
-    curve = Curve.of(hertz_each * x, factor * data, kind, place)
+    curve = Curve.of(x, data, kind, place)
     return curve.described(
         f"{kind} in {unit_said}", abscissa_said, load, z, remark, name=f"{function.response}/{function.reference}"
     )
@@ -132,7 +134,7 @@ def _abscissa(function: Function) -> tuple[float, str]:
 
 
 def _scale(function: Function, system, given: Ordinate | None, unit: str) -> tuple[Ordinate, float, str]:
-    """What the values are, what turns them into SI, and their unit in words."""
+    """Kind of the values, the factor that turns them into SI, and the name of their unit."""
     _refuse_other_quantities(function)
     top, bottom = function.numerator, function.denominator
     label = " / ".join(axis.unit for axis in (top, bottom) if axis.unit)
@@ -164,7 +166,7 @@ def _scale(function: Function, system, given: Ordinate | None, unit: str) -> tup
 
 
 def _labelled(top: str, bottom: str, system) -> tuple[Ordinate, float]:
-    """What unit labels say of a response over force; the first may hold both."""
+    """Kind and factor of a response over force by its unit labels; the first may hold both."""
     try:
         whole = ordinate(top)
     except ValueError:
@@ -175,7 +177,7 @@ def _labelled(top: str, bottom: str, system) -> tuple[Ordinate, float]:
 
 
 def _unlabelled(bottom: str, system) -> float:
-    """What turns a response without a unit into SI: the file's unit of length, over that of force."""
+    """Factor that turns a response without a unit into SI: the file's unit of length, over that of force."""
     length, force = system or (1.0, 1.0)
     return 1 / length / (newtons(bottom) if bottom else 1 / force)
 

@@ -1,4 +1,4 @@
-"""What the axes of an FRF measure, by their units: frequency, and response over force.
+"""Units of an FRF's axes: frequency, and response over force.
 
 Accelerance, mobility and receptance differ by powers of j w, A = j w Y = (j w)^2 H.  Their inverses (apparent mass,
 impedance, dynamic stiffness) are refused: one element of an inverse is not the inverse of the element.
@@ -19,7 +19,7 @@ from ..errors import ModalError
 
 
 class Ordinate(StrEnum):
-    """What an FRF gives per force: acceleration, velocity or displacement."""
+    """Kind of an FRF's response per force: acceleration, velocity or displacement."""
 
     ACCELERANCE = "accelerance"
     MOBILITY = "mobility"
@@ -65,7 +65,7 @@ _TOKEN = re.compile(
 
 
 def one_of(kinds: type[StrEnum], name, what: str):
-    """The member of an enumeration that is called by its name.
+    """Member of an enumeration by its name.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def one_of(kinds: type[StrEnum], name, what: str):
 
 
 def hertz(unit: str) -> float:
-    """Hertz in one of a unit of frequency.
+    """Factor that turns a unit of frequency into hertz.
 
     Raises
     ------
@@ -88,13 +88,13 @@ def hertz(unit: str) -> float:
     """
     known = re.sub(r"[\s*]*s(ec)?\s*\^?\s*-1$|\s*/\s*s(ec)?$", "/s", _tidy(unit).strip().lower())
     if known not in HERTZ or unit.strip().startswith("M"):
-        raise ValueError(f"'{unit}' is no unit of frequency: write Hz, kHz, rad/s or rpm")
+        raise ValueError(f"{unit!r} is no unit of frequency: write Hz, kHz, rad/s or rpm")
     return HERTZ[known]
 
 
 @functools.cache
 def ordinate(unit: str) -> tuple[Ordinate, float]:
-    """What a unit of response over force measures, and what turns it into SI.
+    """Kind of a response over force by its unit, and the factor that turns it into SI.
 
     Raises
     ------
@@ -106,12 +106,12 @@ def ordinate(unit: str) -> tuple[Ordinate, float]:
     kind = KINDS.get((powers.pop("[mass]", 0), powers.pop("[time]", 0)), "another quantity")
     if powers or not isinstance(kind, Ordinate):
         kind = "no response over force" if powers else f"that of {kind}"
-        raise ValueError(f"the unit '{unit}' is {kind}: {REMEDY}")
+        raise ValueError(f"the unit {unit!r} is {kind}: {REMEDY}")
     return kind, float(quantity.magnitude)
 
 
 def agreed(said) -> Ordinate | None:
-    """What all who say it, (kind or None, who), say that an FRF is; None where nobody does.
+    """Kind of an FRF on which all sources (kind or None, source) agree; None if no source names one.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def agreed(said) -> Ordinate | None:
 
 
 def newtons(unit: str) -> float:
-    """Newtons in one of a unit of force.
+    """Factor that turns a unit of force into newtons.
 
     Raises
     ------
@@ -134,12 +134,12 @@ def newtons(unit: str) -> float:
         If it is a unit of something else, or none.
     """
     if unit.lower() not in NEWTON or unit in AMBIGUOUS:
-        raise ValueError(f"'{unit}' is no unit of force: write N or lbf")
+        raise ValueError(f"{unit!r} is no unit of force: write N or lbf")
     return float(_quantity(unit).magnitude)
 
 
 def _quantity(unit: str):
-    """A unit in SI, by pint; its names are those above."""
+    """Unit in SI, by pint; its names are those above."""
     text = _tidy(unit)
     tokens = list(_TOKEN.finditer(text))
     try:
@@ -147,7 +147,7 @@ def _quantity(unit: str):
             raise ValueError("has other characters")
         return registry().Quantity(" ".join(map(_for_pint, tokens))).to_base_units()
     except Exception:  # pint lets its tokenizer's errors through under many names
-        raise ValueError(f"cannot read the unit '{unit}': write it as (m/s^2)/N or g/lbf") from None
+        raise ValueError(f"cannot read the unit {unit!r}: write it as (m/s^2)/N or g/lbf") from None
 
 
 def _tidy(unit: str) -> str:

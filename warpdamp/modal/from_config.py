@@ -60,7 +60,7 @@ def modes(config: Config, *, particles: float, further: Sequence[float] = ()) ->
 
 
 def _with_further(config: Config, particles: float, further: Sequence[float]) -> Modes:
-    """All modes of the structure with the particles in each of its dampers."""
+    """Modes of the structure with the particles in each of its dampers."""
     structure, maker = config.structure, MAKERS[config.structure.source]
     if structure.computed and config.dampers:
         masses = [
@@ -121,7 +121,16 @@ def _placed(config: Config, key: str):
 
 
 def beam(config: Config) -> tuple[Beam, PointMass]:
-    """Configured beam, and the empty damper on it."""
+    """Configured beam, and the empty damper on it.
+
+    Parameters
+    ----------
+    config : Config
+
+    Returns
+    -------
+    Beam, PointMass
+    """
     from .beam import Beam
 
     structure = config.structure

@@ -1,4 +1,4 @@
-"""Modal fits of every curve of an FRF Dataset, with what they are worth."""
+"""Modal fits of every curve of an FRF Dataset, with their uncertainties."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ LARGEST_ERROR = 0.5
 
 @dataclass(frozen=True)
 class Fits:
-    """Fits of one FRF.
+    """Fits of the modes of one FRF.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class Fits:
 
 
 def fits(frf: xr.Dataset, near=None, *, damping: Damping | str = Damping.STRUCTURAL) -> xr.Dataset:
-    """Every mode of every FRF by every method, each in its half-power band.
+    """Fit every mode of every FRF by every method, each in its half-power band.
 
     Least squares fits all modes together, on their bands together.
 
@@ -171,13 +171,13 @@ def fit_curve(frequency, accelerance, near, damping: Damping = Damping.STRUCTURA
         band = fits.bands[mode]
         for method, fit in ONE_MODE.items():
             _keep(fits, method, mode, frequency[band], partial(fit, frequency[band], accelerance[band], damping))
-    if fits.bands:
+    if fits.found:
         _fit_together(fits, frequency, accelerance, damping)
     return fits
 
 
 def _new_band(frequency, accelerance, near: float, others) -> slice:
-    """The half-power band of a peak that is nobody else's."""
+    """Half-power band of a peak that no other frequency has claimed."""
     band = half_power_band(frequency, accelerance, near)
     if band in others:
         peak = frequency[band][np.argmax(np.abs(accelerance[band]))]
@@ -186,25 +186,17 @@ def _new_band(frequency, accelerance, near: float, others) -> slice:
 
 
 def _fit_together(fits: Fits, frequency, accelerance, damping: Damping) -> None:
-    together = np.concatenate([np.arange(band.start, band.stop) for band in fits.bands.values()])
-    start = [_start(fits, mode, frequency, accelerance) for mode in fits.bands]
+    """Least squares of all modes that some other method has found, from where it found them."""
+    start = {mode: fit for (_, mode), fit in fits.found.items()}
+    bands = {mode: fits.bands[mode] for mode in start}
+    together = np.concatenate([np.arange(band.start, band.stop) for band in bands.values()])
     try:
-        every = least_squares(frequency[together], accelerance[together], start, damping)
+        every = least_squares(frequency[together], accelerance[together], list(start.values()), damping)
     except ModalError as error:
         fits.refused.append(str(error))
         return
-    for (mode, band), fit in zip(fits.bands.items(), every, strict=True):
+    for (mode, band), fit in zip(bands.items(), every, strict=True):
         _keep(fits, Method.LEAST_SQUARES, mode, frequency[band], partial(replace, fit))
-
-
-def _start(fits: Fits, mode: int, frequency, accelerance) -> Fit:
-    """Where the least squares begin: at Dobson's fit, or at the band's peak and width."""
-    if (Method.DOBSON, mode) in fits.found:
-        return fits.found[Method.DOBSON, mode]
-    band = fits.bands[mode]
-    inside = frequency[band]
-    peak = inside[np.argmax(np.abs(accelerance[band]))]
-    return Fit(float(peak), float((inside[-1] - inside[0]) / peak / 2), 1.0)
 
 
 def _keep(fits: Fits, method: Method, mode: int, band, fitted) -> None:

@@ -1,4 +1,4 @@
-"""By how much a mesh of quadratic elements lifts the frequencies of the modes found on it.
+"""Mesh error: the relative rise of the frequencies of modes found on quadratic elements.
 
 The stresses s_h of a quadratic element are about linear and jump between elements.  Of their projection P s_h onto
 continuous linear functions, with the material's energy as the norm,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class _Projection:
-    """Of a quadratic basis's functions and their derivatives onto linear elements of the same mesh.
+    """Projection of a quadratic basis's functions and their derivatives onto linear elements of the same mesh.
 
     ``mass`` is that of the linear elements; calling it with an axis (None: no derivative) and nodal values (n, ...)
     gives nodal values of the linear elements.
@@ -54,7 +54,7 @@ class _Projection:
 
 
 def solid_error(basis: Basis, material: Material, squares, vectors) -> np.ndarray:
-    """(m,) parts by which the frequencies of a solid's modes are about too high.
+    """Relative excess of the frequencies of a solid's modes by its mesh, about, (m,) [-].
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ class NamedMesh:
 
 
 def load_mesh(file: Path, unit: float = 1.0) -> Mesh:
-    """The mesh in a file, in metres; see ``load_named``."""
+    """Mesh of a file, in metres; see ``load_named``."""
     return load_named(file, unit).mesh
 
 

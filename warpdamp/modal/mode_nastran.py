@@ -35,7 +35,7 @@ _ROW = re.compile(r"\s+(\d+)\s+([A-Z])\s+(\S.*)")
 
 @dataclass
 class _Output:
-    """What a file holds of modes.
+    """Modes of an output file.
 
     Parameters
     ----------

@@ -70,7 +70,7 @@ class Modes:
 
     @property
     def on_node(self) -> np.ndarray:
-        """(m,) whether the damper sits on a node of the mode."""
+        """Whether the damper sits on a node of each mode, (m,) array of bool."""
         return np.abs(self.amplitude) <= NODE * np.max(np.abs(self.shape), axis=(1, 2))
 
     @property
@@ -187,7 +187,7 @@ class Modes:
         return self.seen_from(int(found[0]), self.direction if direction is None else direction)
 
     def seen_from(self, damper: int, direction) -> Modes:
-        """The same modes as a damper at row ``damper`` of the points sees them, with positive amplitudes.
+        """Modes as a damper at row ``damper`` of the points sees them, with positive amplitudes.
 
         Raises
         ------

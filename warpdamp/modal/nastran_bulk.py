@@ -27,7 +27,7 @@ _REAL = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eEdD]([-+]?\d+)|([-+]\d+))?")
 
 @dataclass(frozen=True)
 class Card:
-    """A card: the number of its line, its name and its fields, empty where they are blank."""
+    """Card of bulk data: the number of its line, its name and its fields, empty where they are blank."""
 
     line: int
     name: str
@@ -36,7 +36,7 @@ class Card:
 
 @dataclass(frozen=True)
 class Bulk:
-    """What bulk data say about where nodes are, and what they weigh.
+    """Nodes and masses of bulk data.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def _fields(text: str) -> list[str]:
 
 
 def real(text: str) -> float:
-    """A number as Nastran writes it, 1.5, 1.5E+3, 1.5D3 or 1.5+3; a ValueError if it is none."""
+    """Number as Nastran writes it: 1.5, 1.5E+3, 1.5D3 or 1.5+3."""
     found = _REAL.fullmatch(text)
     if not found:
         raise ValueError(f"'{text}' is no number")

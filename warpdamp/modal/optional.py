@@ -8,7 +8,7 @@ from ..errors import MissingLibrary
 
 
 def needs(module: str, what: str, extra: str = "modes") -> None:
-    """Ask for a module of an extra, as ``modes``.
+    """Refuse to go on without a module of an extra, as ``modes``.
 
     Raises
     ------

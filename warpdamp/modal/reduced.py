@@ -38,7 +38,7 @@ MOST_MEMORY = 4e8
 
 @dataclass(frozen=True)
 class Reduced:
-    """An extrusion in some functions of the section: what ``elastic_modes`` takes.
+    """Extrusion in some functions of the section: what ``elastic_modes`` takes.
 
     Displacements are numbered plane by plane: function i along axis j of plane p is number p r + offset_j + i.
 
@@ -53,7 +53,7 @@ class Reduced:
 
     @cached_property
     def parts(self) -> list[slice]:
-        """For each axis, where its functions lie among the r of a plane."""
+        """Slices of each axis' functions among the r of a plane."""
         edges = np.cumsum([0, *(of_axis.shape[1] for of_axis in self.functions)])
         return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
 
@@ -69,13 +69,13 @@ class Reduced:
 
     @property
     def mass(self) -> spmatrix:
-        """(p r, p r) [kg]."""
+        """Mass matrix, (p r, p r) [kg]."""
         line = self.extrusion.material.density * self.extrusion.line[VALUE, VALUE]
         return kron(line, eye(self.r), format="csr")
 
     @cached_property
     def held(self) -> np.ndarray:
-        """(p r,) array of bool."""
+        """Displacements that are held, (p r,) array of bool."""
         held = np.zeros((self.planes, self.r), bool)
         for plane, axes in zip((0, -1), self.extrusion.ends, strict=True):
             for axis in axes:
@@ -84,7 +84,7 @@ class Reduced:
 
     @cached_property
     def motions(self) -> np.ndarray:
-        """(p r, 6) displacements of the rigid motions, which the polynomials hold."""
+        """Displacements of the rigid motions, which the polynomials hold, (p r, 6)."""
         (y, z), x = self.extrusion.place, self.extrusion.station - self.extrusion.station.mean()
         one, along = np.ones_like(y), np.ones_like(x)
         of_axes = [
@@ -104,22 +104,22 @@ class Reduced:
 
     @cached_property
     def shift(self) -> float:
-        """Below zero where rigid motions are left [rad^2/s^2]."""
+        """Shift s of K - s M, below zero where rigid motions are left [rad^2/s^2]."""
         size = [*np.ptp(self.extrusion.place, axis=1), np.ptp(self.extrusion.station)]
         return 0.0 if is_held(self) else -lowest_bending(self.extrusion.material, size)
 
     def rows(self, axis: int, weights: np.ndarray) -> spmatrix:
-        """(p, p r) matrix that reads every plane's mean displacement along an axis, with ``weights`` (s,)."""
+        """Matrix (p, p r) of every plane's mean displacement along an axis, with ``weights`` (s,)."""
         seen = np.zeros((1, self.r))
         seen[0, self.parts[axis]] = weights @ self.functions[axis]
         return kron(eye(self.planes), seen, format="csr")
 
     def displacement(self, vectors: np.ndarray) -> list[np.ndarray]:
-        """For each axis (s, p, m), what vectors (p r, m) stand for."""
+        """Displacements of vectors (p r, m), for each axis (s, p, m)."""
         return [np.tensordot(f, a, (1, 1)) for f, a in zip(self.functions, self.coefficients(vectors), strict=True)]
 
     def coefficients(self, vectors: np.ndarray) -> list[np.ndarray]:
-        """For each axis (p, r_j, m), those of its functions in vectors (p r, m)."""
+        """Coefficients of each axis' functions in vectors (p r, m), for each axis (p, r_j, m)."""
         vectors = vectors.reshape(self.planes, self.r, -1)
         return [vectors[:, part] for part in self.parts]
 
@@ -147,7 +147,7 @@ class Reduced:
 
     @cached_property
     def inverse(self) -> Callable:
-        """Solves (K - s M) x = b for the displacements that are not held."""
+        """Solver of (K - s M) x = b for the displacements that are not held."""
         factor = cholesky_banded(self._band(), lower=True, overwrite_ab=True, check_finite=False)
         free = np.flatnonzero(~self.held)
 
@@ -159,7 +159,7 @@ class Reduced:
         return solve
 
     def enriched(self, residual) -> Reduced:
-        """The same with further functions, from the residual of its modes."""
+        """Reduced extrusion with further functions, from the residual of its modes."""
         return Reduced(
             self.extrusion,
             [
@@ -186,7 +186,7 @@ class Reduced:
 
     @property
     def memory(self) -> int:
-        """Of the band matrix [bytes]."""
+        """Memory of the band matrix [bytes]."""
         return 8 * COUPLED * self.planes * self.r**2
 
 
@@ -225,6 +225,6 @@ def converged(extrusion: Extrusion, carried, modes: Callable) -> Converged:
 
 
 def _rest(fall: float, last: float) -> float:
-    """Sum of the falls to come, if they go on as the last two: by one factor."""
+    """Sum of the falls to come, if they continue as the last two: by one factor."""
     rate = max(fall / last, BEST_RATE) if np.isfinite(last) else 1.0
     return fall * rate / (1 - rate) if rate < 1 else np.inf

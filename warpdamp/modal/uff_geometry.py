@@ -53,7 +53,7 @@ class Nodes:
 
 
 def units(file: Path, sets: list[Dataset], given: str | None) -> tuple[float, float]:
-    """What turns metres and newtons into the file's units.
+    """Factors that turn metres and newtons into the file's units.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def _factors(dataset: Dataset) -> tuple[float, float]:
 
 
 def nodes(file: Path, sets: list[Dataset]) -> Nodes:
-    """Nodes of a file.
+    """Nodes of a universal file, with their coordinate systems.
 
     Raises
     ------

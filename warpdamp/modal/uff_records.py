@@ -106,7 +106,7 @@ def _numbers(record: str) -> list[float]:
 
 
 def datasets(file: Path) -> list[Dataset]:
-    """All datasets of a universal file, in their order.
+    """Datasets of a universal file, in their order.
 
     Raises
     ------

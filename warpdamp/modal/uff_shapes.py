@@ -37,7 +37,7 @@ class Mode:
 
 @dataclass(frozen=True)
 class Head:
-    """What the records before its data say of a dataset 55 or 2414."""
+    """Head of a dataset 55 or 2414: the records before its data."""
 
     analysis: int
     characteristic: int
@@ -55,7 +55,7 @@ class Head:
 
     @property
     def kind(self) -> str:
-        """What its data are, in words."""
+        """Kind of the data, as text."""
         where = "" if self.location == 1 else f", data {LOCATIONS.get(self.location, 'elsewhere')}"
         return ANALYSES.get(self.analysis, "other data") + where
 

@@ -127,6 +127,15 @@ class Line:
 def straight_line(x, y, error) -> Line:
     """Line by weighted least squares; where points scatter more than their errors, the line's errors grow with them.
 
+    Parameters
+    ----------
+    x, y, error : (n,) arrays
+        ``error``: standard error of y.  Points that are not finite are left out.
+
+    Returns
+    -------
+    Line
+
     Raises
     ------
     ValueError

@@ -60,15 +60,32 @@ def autocorrelation_time(series) -> float:
 
 
 def standard_error(series) -> float:
-    """Standard error of the mean of a stationary, correlated series of at least four values.
+    """Standard error of the mean of a stationary, correlated series, in its unit.
 
     The sample variance of correlated values is too small by about tau / n; it is corrected for.
+
+    Parameters
+    ----------
+    series : (n,) array, n >= 4
+
+    Returns
+    -------
+    float
     """
     return float(np.std(series) / math.sqrt(degrees_of_freedom(series)))
 
 
 def degrees_of_freedom(series) -> float:
-    """Degrees of freedom of a correlated series: its number of uncorrelated values less one, at least a half."""
+    """Degrees of freedom of a correlated series: its number of uncorrelated values less one, at least a half.
+
+    Parameters
+    ----------
+    series : (n,) array, n >= 4
+
+    Returns
+    -------
+    float
+    """
     return max(1.5, len(series) / autocorrelation_time(series)) - 1
 
 

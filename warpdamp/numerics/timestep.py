@@ -50,7 +50,20 @@ class Numerics:
 
 
 def largest_overlap(modulus: float, radius: float, mass: float, speed: float) -> float:
-    """Overlap [m] of an elastic Hertz impact: d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)."""
+    """Largest overlap of an elastic Hertz impact, d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5) [m].
+
+    Parameters
+    ----------
+    modulus, radius, mass : float
+        E* [Pa], R* [m], m* [kg] of the pair.
+    speed : float
+        v [m/s].
+
+    Returns
+    -------
+    float
+        [m].
+    """
     return (15 * mass * speed**2 / (16 * modulus * math.sqrt(radius))) ** 0.4
 
 
@@ -69,7 +82,20 @@ def impact_overlap(scene: Scene, speed: float) -> float:
 
 
 def contact_time(modulus: float, radius: float, mass: float, speed: float) -> float:
-    """Duration [s] of an elastic Hertz impact: tc = 2.943 d_max / v."""
+    """Duration of an elastic Hertz impact, tc = 2.943 d_max / v with d_max the ``largest_overlap`` [s].
+
+    Parameters
+    ----------
+    modulus, radius, mass : float
+        E* [Pa], R* [m], m* [kg] of the pair.
+    speed : float
+        v [m/s].
+
+    Returns
+    -------
+    float
+        [s].
+    """
     return HERTZ_DURATION * largest_overlap(modulus, radius, mass, speed) / speed
 
 
@@ -78,6 +104,17 @@ def expected_speed(scene: Scene, radius) -> float:
 
     Twice the enclosure's peak speed (a particle thrown back by a wall moving at full speed, met by another at rest),
     and what a fall through the free height of the cavity adds.
+
+    Parameters
+    ----------
+    scene : Scene
+    radius : (n,) array
+        [m].
+
+    Returns
+    -------
+    float
+        [m/s].
     """
     driven = 2 * scene.drive.speed if scene.drive else 2 * scene.mount.speed if scene.mount else 0.0
     if scene.enclosure is None:
@@ -88,11 +125,19 @@ def expected_speed(scene: Scene, radius) -> float:
 
 
 def shortest_contact(scene: Scene, grains, speed: float) -> float:
-    """Shortest contact time [s] at a relative ``speed``, of any two particles, or of one and the wall.
+    """Shortest contact time at a relative speed, of any two particles, or of one and the wall [s].
 
     Parameters
     ----------
-    grains : anything with ``radius`` and ``species``, as a State
+    scene : Scene
+    grains : State, Grains, or anything with ``radius`` and ``species``
+    speed : float
+        [m/s].
+
+    Returns
+    -------
+    float
+        [s].
     """
     radius, species = np.asarray(grains.radius), np.asarray(grains.species)
     times = []
@@ -110,13 +155,38 @@ def shortest_contact(scene: Scene, grains, speed: float) -> float:
 
 
 def longest_step(scene: Scene, grains, speed: float, *, steps_per_contact: float) -> float:
-    """Largest step [s] that resolves the shortest contact at ``speed``, and the dashpots."""
+    """Largest step that resolves the shortest contact at a relative speed, and the dashpots [s].
+
+    Parameters
+    ----------
+    scene : Scene
+    grains : State, Grains, or anything with ``radius`` and ``species``
+    speed : float
+        [m/s].
+    steps_per_contact : float
+
+    Returns
+    -------
+    float
+        [s].
+    """
     strength = max(dashpot(surface.restitution) for surface in scene.surfaces())
     return shortest_contact(scene, grains, speed) / max(steps_per_contact, STEPS_PER_DASHPOT * strength)
 
 
 def contact_step(scene: Scene, grains, *, steps_per_contact: float = STEPS_PER_CONTACT) -> float:
-    """Largest step [s] for the fastest impact expected.
+    """Largest step for the fastest impact expected [s].
+
+    Parameters
+    ----------
+    scene : Scene
+    grains : State, Grains, or anything with ``radius`` and ``species``
+    steps_per_contact : float
+
+    Returns
+    -------
+    float
+        [s].
 
     Raises
     ------
@@ -130,7 +200,19 @@ def contact_step(scene: Scene, grains, *, steps_per_contact: float = STEPS_PER_C
 
 
 def steps_per_cycle(scene: Scene, grains, *, steps_per_contact: float = STEPS_PER_CONTACT) -> int:
-    """Smallest whole number of steps a cycle that are no longer than ``contact_step``, at least fifty."""
+    """Smallest whole number of steps a cycle that are no longer than ``contact_step``, at least fifty.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a drive.
+    grains : State, Grains, or anything with ``radius`` and ``species``
+    steps_per_contact : float
+
+    Returns
+    -------
+    int
+    """
     dt = contact_step(scene, grains, steps_per_contact=steps_per_contact)
     return max(FEWEST_STEPS_PER_CYCLE, math.ceil(1 / (scene.drive.frequency * dt)))
 
@@ -138,10 +220,17 @@ def steps_per_cycle(scene: Scene, grains, *, steps_per_contact: float = STEPS_PE
 def check_step(scene: Scene, state: State, dt: float) -> None:
     """Refuse a step that does not resolve the fastest contact expected from a given state.
 
+    Parameters
+    ----------
+    scene : Scene
+    state : State
+    dt : float
+        [s].
+
     Raises
     ------
     ValueError
-        Names the contact time and the largest step allowed.
+        If the step is too large; names the contact time and the largest step allowed.
     """
     if not dt > 0:
         raise ValueError(f"the step must be positive, got {dt:g} s")

@@ -61,7 +61,16 @@ class ToleranceSettings:
 
 
 def step_error(steps_per_contact: float) -> float:
-    """Relative error of the energy per cycle that a study assumes for a step [-]."""
+    """Relative error of the energy per cycle that a study assumes for a step [-].
+
+    Parameters
+    ----------
+    steps_per_contact : float
+
+    Returns
+    -------
+    float
+    """
     return STEP_ERROR * (24 / steps_per_contact) ** 2
 
 
@@ -70,7 +79,12 @@ def settings_for(tolerance: float) -> ToleranceSettings:
 
     Parameters
     ----------
-    tolerance : relative standard error of the energy per cycle
+    tolerance : float
+        Relative standard error of the energy per cycle [-].
+
+    Returns
+    -------
+    ToleranceSettings
     """
     needed = 24 * math.sqrt(STEP_ERROR / (STEP_SHARE * tolerance))
     steps = min(max(needed, FEWEST_STEPS_PER_CONTACT), FINEST)
@@ -104,7 +118,20 @@ def packings_needed(energies, errors, degrees, memories, steps, largest, toleran
 
 
 def allowed(tolerance: float, mean, largest):
-    """Standard error that a tolerance allows a mean; ``largest`` is the ideal damper's energy."""
+    """Standard error that a tolerance allows a mean, in its unit.
+
+    Parameters
+    ----------
+    tolerance : float
+        Relative [-].
+    mean : (...) array
+    largest : (...) array
+        The ideal damper's energy: below ``SMALLEST_EFFECTIVENESS`` of it no error is relative.
+
+    Returns
+    -------
+    (...) array
+    """
     return np.maximum(tolerance * mean, SMALLEST_EFFECTIVENESS * largest)
 
 
@@ -175,17 +202,49 @@ def combined(means, errors, degrees, memories=0.0, steps=0.0, ran=True) -> Answe
 
 
 def bed_memory(fill: float) -> float:
-    """Relative standard error of a single bed that averaging over cycles cannot reduce, by the cavity's fill [-]."""
+    """Relative standard error of a single bed that averaging over cycles cannot reduce [-].
+
+    Parameters
+    ----------
+    fill : float
+        Volume of the particles over the cavity's [-].
+
+    Returns
+    -------
+    float
+    """
     return TIGHT_MEMORY if fill >= TIGHT_FILL else LOOSE_MEMORY
 
 
 def single_interval(error: float, degrees: float, memory: float) -> float:
-    """Half-width of the 95 % interval of a single bed: of its average over cycles, and for its state."""
+    """Half-width of the 95 % interval of a single bed: of its average over cycles, and for its state.
+
+    Parameters
+    ----------
+    error, degrees : float
+        Standard error of the average over cycles, and its degrees of freedom.
+    memory : float
+        Standard error by the bed's state, in the same unit.
+
+    Returns
+    -------
+    float
+    """
     return float(np.hypot(error * student(degrees), memory * student(math.inf)))
 
 
 def student(degrees):
-    """Ratio of the 95 % interval's half-width to the standard error, by degrees of freedom [-]."""
+    """Ratio of the 95 % interval's half-width to the standard error [-].
+
+    Parameters
+    ----------
+    degrees : (...) array
+        Degrees of freedom.
+
+    Returns
+    -------
+    (...) array
+    """
     from scipy.special import stdtrit
 
     return stdtrit(np.clip(degrees, 1.0, 1e6), 0.975)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def modes_table(modes) -> Table:
-    """Number, frequency, shape at the damper, modal mass and, where there is any, inherent damping of each mode.
+    """Table of modes: number, frequency, shape at the damper, modal mass and, if any, inherent damping.
 
     Of a user's mesh also the part by which it lifts the frequency, about.
     """
@@ -107,7 +107,7 @@ def _line_head(dataset, at):
 
 
 def fits_table(fitted: xr.Dataset) -> Table:
-    """Fits of one FRF with their errors, quality and band; of several FRFs a row a mode, without errors."""
+    """Table of the fits of one FRF with errors, quality and band; of several FRFs a row a mode, without errors."""
     several = next((dim for dim in ("gamma", "frf") if dim in fitted.dims), None)
     table = _table("mode", "fit", "f [Hz]", "ζ [%]", "R²") if several is None else _compact(fitted, several)
     table.title = f"natural frequency and {fitted.attrs['damping']} damping ratio ζ [%]"
@@ -144,7 +144,7 @@ def _band(at: xr.Dataset) -> str:
 
 
 def accuracy_table(runs: xr.Dataset) -> Table:
-    """Of an accuracy study: the cheapest settings for 10, 5, 2 and 1 %, and what they cost, at every point."""
+    """Table of an accuracy study: the cheapest settings for 10, 5, 2 and 1 % at every point, and their cost."""
     tolerances = (0.1, 0.05, 0.02, 0.01)
     table = _table("point", *(f"{100 * t:g} %" for t in tolerances))
     errors = systematic(runs)

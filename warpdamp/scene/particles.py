@@ -26,7 +26,18 @@ class Grains:
 
     @classmethod
     def alike(cls, radius: float, count: int) -> Grains:
-        """Equal spheres of one material: ``count`` of ``radius`` [m]."""
+        """Equal spheres of one material.
+
+        Parameters
+        ----------
+        radius : float
+            [m].
+        count : int
+
+        Returns
+        -------
+        Grains
+        """
         return cls((radius,) * count, (0,) * count)
 
     def __len__(self) -> int:
@@ -119,7 +130,13 @@ class State:
         return float(np.sum(sphere_volume(self.radius)))
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Arrays of the state by name, as files hold them; see ``from_arrays``."""
+        """Arrays of the state by name, as files hold them; see ``from_arrays``.
+
+        Returns
+        -------
+        dict of arrays
+            The fields; those of the histories as ``pair_history_stretch``.
+        """
         plain = {name: value for name, value in vars(self).items() if name not in _HISTORIES}
         return plain | {
             f"{name}_{part}": array for name in _HISTORIES for part, array in vars(getattr(self, name)).items()
@@ -128,6 +145,14 @@ class State:
     @classmethod
     def from_arrays(cls, arrays: dict[str, np.ndarray]) -> State:
         """State from named arrays; the inverse of ``arrays``.
+
+        Parameters
+        ----------
+        arrays : dict of arrays
+
+        Returns
+        -------
+        State
 
         Raises
         ------

@@ -257,12 +257,12 @@ class Mount:
 
     @property
     def excitation(self) -> Signal | None:
-        """What moves it: the force, or the acceleration of its base."""
+        """Excitation of the structure: the force, or the acceleration of its base."""
         return self.force or self.base
 
     @property
     def load(self) -> tuple[float, ...]:
-        """Of each mode, the modal force per unit of the excitation: phi of a force, -Gamma of a base acceleration."""
+        """Modal force per unit of the excitation, of each mode: phi of a force, -Gamma of a base acceleration."""
         return tuple(-gamma for gamma in self.participation) if self.base else self.amplitude
 
     @property
@@ -340,11 +340,31 @@ class Scene:
         return (self.particle,) if isinstance(self.particle, Material) else self.particle
 
     def pair_surface(self, i: int, j: int) -> Surface:
-        """Surface of particles of species i against those of species j."""
+        """Surface of particles of one species against those of another.
+
+        Parameters
+        ----------
+        i, j : int
+            Species, positions in ``materials``.
+
+        Returns
+        -------
+        Surface
+        """
         return self.particle_contact if isinstance(self.particle_contact, Surface) else self.particle_contact[i][j]
 
     def wall_surface(self, i: int) -> Surface:
-        """Surface of particles of species i against the walls."""
+        """Surface of particles of one species against the walls.
+
+        Parameters
+        ----------
+        i : int
+            Species, position in ``materials``.
+
+        Returns
+        -------
+        Surface
+        """
         return self.wall_contact if isinstance(self.wall_contact, Surface) else self.wall_contact[i]
 
     def surfaces(self) -> list[Surface]:
@@ -354,15 +374,33 @@ class Scene:
         return pairs + ([self.wall_surface(i) for i in species] if self.enclosure else [])
 
     def driven(self, drive: Drive | None) -> Scene:
-        """Scene with ``drive`` in place of its own drive or mount."""
+        """Scene with another drive, and without a mount.
+
+        Parameters
+        ----------
+        drive : Drive or None
+
+        Returns
+        -------
+        Scene
+        """
         return replace(self, drive=drive, mount=None)
 
     def mounted(self, mount: Mount) -> Scene:
-        """Scene with ``mount`` in place of its own drive or mount."""
+        """Scene with another mount, and without a drive.
+
+        Parameters
+        ----------
+        mount : Mount
+
+        Returns
+        -------
+        Scene
+        """
         return replace(self, drive=None, mount=mount)
 
     def softened(self, factor: float) -> Scene:
-        """The same scene with every Young's modulus multiplied by ``factor``."""
+        """Scene with every Young's modulus multiplied by ``factor``."""
         if factor == 1:
             return self
 
@@ -399,17 +437,49 @@ class Scene:
         return density * sphere_volume(radius)
 
     def masses(self, grains) -> np.ndarray:
-        """Mass of each particle of ``grains``, anything with ``radius`` and ``species`` such as a State, (n,) [kg]."""
+        """Mass of each particle [kg].
+
+        Parameters
+        ----------
+        grains : State, Grains, or anything with ``radius`` and ``species``
+
+        Returns
+        -------
+        (n,) array
+            [kg].
+        """
         return self.mass(grains.radius, grains.species)
 
 
 def sphere_volume(radius):
-    """Volume of spheres of radius [m], (...) [m^3]."""
+    """Volume of spheres, 4 pi R^3 / 3 [m^3].
+
+    Parameters
+    ----------
+    radius : (...) array
+        R [m].
+
+    Returns
+    -------
+    (...) array
+        [m^3].
+    """
     return 4 / 3 * math.pi * np.asarray(radius) ** 3
 
 
 def inverse_sphere_inertia(mass, radius):
-    """Inverse of the moment of inertia of solid spheres about their centres, 5 / (2 m R^2) [1/(kg m^2)]."""
+    """Inverse of the moment of inertia of solid spheres about their centres, 5 / (2 m R^2) [1/(kg m^2)].
+
+    Parameters
+    ----------
+    mass, radius : float or array
+        m [kg], R [m].
+
+    Returns
+    -------
+    float or array
+        [1/(kg m^2)].
+    """
     return 2.5 / (mass * radius**2)
 
 

@@ -173,7 +173,7 @@ def study(
 
 
 def points_of(config: Config, most: int = 6) -> list[Spec]:
-    """A few cases that span a study: of every frequency the Gammas at a third and two thirds of its list, all seeds."""
+    """Few cases that span a study: at every frequency the Gammas at a third and two thirds of its list, all seeds."""
     specs = list(Cases(config).specs())
     frequencies = sorted({spec.scene.drive.frequency for spec in specs})[: max(1, most // 2)]
     gammas = sorted({spec.scene.drive.acceleration for spec in specs})

@@ -48,7 +48,7 @@ def within(effects: Effects, name: str) -> Effects:
 
 
 def jammed_bed() -> tuple[Scene, State]:
-    """The paper's bed pressed against the floor, a quarter cycle into its fifth at Gamma 1."""
+    """Bed of the paper pressed against the floor, a quarter cycle into its fifth at Gamma 1, with its scene."""
     scene = damper(gamma=1.0)
     loose = prepare(Request(scene, Grains.alike(RADIUS, COUNT), 1, "loose")).state
     batch = Batch([Case(scene, loose, 1 / FREQUENCY / STEPS_PER_CYCLE)])
@@ -121,7 +121,7 @@ def _stored() -> dict[str, float]:
 
 
 def measure_study(config) -> None:
-    """Measure what the cases of a study cost, and what each of their effects does."""
-    own = {effects for effects, _ in make_plan(Cases(config)).groups}
-    remember(moving, moving(list(own)))
-    remember(frozen, frozen(list(own | {without(effects, name) for effects in own for name in TOGGLES})))
+    """Measure the cost of a study's cases, and of each of their effects."""
+    sets = {effects for effects, _ in make_plan(Cases(config)).groups}
+    remember(moving, moving(list(sets)))
+    remember(frozen, frozen(list(sets | {without(effects, name) for effects in sets for name in TOGGLES})))

@@ -112,7 +112,7 @@ def _line(config: Config, key: str, value: str) -> str:
 
 
 def explain(config: Config, *, workers: int | None = None) -> str:
-    """The plan of a study in words: effects, step, cases, time, memory, and what is not modelled.
+    """Explanation of a study as text: effects, step, cases, time, memory, and what is not modelled.
 
     Of several dampers that of each, one after the other.
     """

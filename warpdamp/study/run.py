@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -179,22 +179,26 @@ def carry_out(
         with RunLog(results.folder, len(numbers), part) as run_log:
             if len(numbers):
                 with worker_pool(executor, workers) as pool:
-                    runner = Runner(plan, results, pool, run_log, limit, report)
-                    runner.run(numbers)
-                    for further in _further(plan, results, part, numbers):
-                        run_log.further(len(further))
-                        runner.run(further)
+                    further = _Further(plan, results, part, numbers, run_log)
+                    Runner(plan, results, pool, run_log, limit, report).run(numbers, further)
     return plan
 
 
-def _further(plan: Plan, store: Store, part: tuple[int, int] | None, tried: np.ndarray) -> Iterator[np.ndarray]:
-    """Numbers of the cases that the results so far require, round by round; each is tried once."""
-    while plan.cases.config.accuracy is not None:
-        numbers = np.setdiff1d(_left(plan, store, part), tried)
-        if not len(numbers):
-            return
-        tried = np.union1d(tried, numbers)
-        yield numbers
+class _Further:
+    """Numbers of the cases that the results so far require, beside those that were run before; each is tried once."""
+
+    def __init__(self, plan: Plan, store: Store, part: tuple[int, int] | None, tried: np.ndarray, run_log: RunLog):
+        self.plan, self.store, self.part = plan, store, part
+        self.tried, self.run_log = tried, run_log
+
+    def __call__(self) -> np.ndarray:
+        if self.plan.cases.config.accuracy is None:
+            return np.zeros(0, int)
+        numbers = np.setdiff1d(_left(self.plan, self.store, self.part), self.tried)
+        if len(numbers):
+            self.tried = np.union1d(self.tried, numbers)
+            self.run_log.further(len(numbers))
+        return numbers
 
 
 def collect(store: str | Path) -> xr.Dataset:

@@ -53,7 +53,7 @@ def every_damper(config: Config) -> list[Config]:
 
 
 def _only(config: Config, damper) -> Config:
-    """With one damper, without a structure and shaken at no frequency yet."""
+    """Configuration of one damper, without a structure and shaken at no frequency yet."""
     named = {*damper.materials().values()}
     grains = {part.material for part in damper.mixture} | {WALLS}
     pairs = {key: value for key, value in config.contact.pairs.items() if grains.issuperset(between(key))}
@@ -156,7 +156,7 @@ def combined(config: Config, datasets: Sequence[xr.Dataset], seen: Sequence[Mode
 
 
 def _on_the_grid(config: Config, dataset: xr.Dataset, modes: Modes, reference: Modes) -> xr.Dataset:
-    """What one damper's study found, on (frequency, gamma); on its node a damper takes nothing."""
+    """Results of one damper's study, on (frequency, gamma); on its node a damper takes nothing."""
     import xarray as xr
 
     shape = (len(modes.frequency), len(as_list(config.excitation.gamma)))

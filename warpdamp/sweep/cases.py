@@ -181,7 +181,7 @@ class Cases:
         return Point(index, single, modes, tuple(round(float(f), 6) for f in modes.frequency))
 
     def _own_modes(self, single: Config) -> Modes:
-        """Of the structure with a point's particles; each structure and mass of particles once."""
+        """Modes of the structure with a point's particles; computed once for each structure and particle mass."""
         particles = particle_mass(single)
         structure = single.structure.model_dump(mode="json")
         materials = {

@@ -231,7 +231,7 @@ class Reader:
 
 
 def _in_file(where: str, action, *arguments):
-    """What an action gives; its errors at a place in the table beside the configuration."""
+    """Result of an action; its errors get a place in the table beside the configuration."""
     try:
         return action(*arguments)
     except ConfigError as error:

@@ -28,7 +28,7 @@ _REAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
 
 @dataclass(frozen=True)
 class Axis:
-    """Data type, exponents of length, force and temperature, and unit label of an axis; empty where it has none."""
+    """Axis of a function: data type, exponents of length, force and temperature, and unit label, empty if none."""
 
     code: int
     exponents: tuple[int, int, int]
@@ -37,7 +37,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Function:
-    """A function of a dataset 58, its values not yet read.
+    """Function of a dataset 58, its values not yet read.
 
     Parameters
     ----------
@@ -74,12 +74,12 @@ class Function:
         return f"{self.number}: {name} {self.response}/{self.reference}{more}"
 
     def error(self, what: str) -> ModalError:
-        """An error in this function."""
+        """Error in this function, with its place."""
         return ModalError(f"{self.dataset.file}:{self.dataset.line}: function {self}: {what}")
 
 
 def function(number: int, dataset: Dataset) -> Function:
-    """The head of a dataset 58.
+    """Function from the head of a dataset 58.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def _binary(function: Function) -> np.ndarray:
 
 
 def _text(function: Function) -> np.ndarray:
-    """All numbers on the lines of text, in their fields or with blanks between."""
+    """Numbers on the lines of text, in their fields or with blanks between."""
     double, paired = function.data_type in DOUBLE, function.data_type in COMPLEX
     widths = (20,) if double else (13,)
     if double and not function.even:  # the abscissa is single
@@ -167,7 +167,7 @@ def _fields(dataset: Dataset, widths, kinds: str) -> list:
         if kind == "s":
             found.append(cell)
             continue
-        if not re.fullmatch(r"[-+]?\d*" if kind == "i" else rf"({_REAL.pattern})?", cell):
+        if not re.fullmatch(r"[-+]?\d*" if kind == "i" else rf"({_REAL.pattern})?", cell) or cell in ("-", "+"):
             raise dataset.error(f"expected a number, got '{cell}' in '{record.strip()[:60]}'")
         number = float(cell.lower().replace("d", "e") or 0)
         found.append(int(number) if kind == "i" else number)
