@@ -114,15 +114,17 @@ def test_places_on_modes_from_a_file(tmp_path):
     yaml = YAML(typ="safe")
     study = yaml.load(ROOT / "configs" / "mode_file.yaml")
     study["structure"]["mode_file"]["file"] = str(ROOT / "configs" / study["structure"]["mode_file"]["file"])
-    every = modes(Config.model_validate(study), particles=0.0)
+    every = read_csv(study["structure"]["mode_file"]["file"]).at((0.29, 0, 0), (0, 0, 1))
     row = len(every.point) // 4
-    place = [float(x) for x in every.point[row]]
-    study["dampers"] = [study["damper"] | {"position": place}]
-    study["excitation"].pop("frequency", None)
+    study["dampers"] = [study["damper"] | {"position": [float(x) for x in every.point[row]]}]
     both = Config.model_validate(study)
     first, second = seen_by_all(both, modes(both, particles=0.02, further=[0.01]))
-    whole = every.with_mass(0.02).seen_from(row, every.direction).with_mass(0.01)
-    np.testing.assert_allclose(first.frequency, whole.frequency, rtol=2e-3)  # of the modes left out
+    exact = every.with_mass(0.02).seen_from(row, (0, 0, 1)).with_mass(0.01)
+    np.testing.assert_allclose(second.frequency, exact.pick([1, 3]).frequency, rtol=1e-12)
+    np.testing.assert_allclose(second.amplitude, exact.pick([1, 3]).amplitude, rtol=1e-9)
+    np.testing.assert_allclose(
+        first.amplitude, exact.seen_from(every.damper, (0, 0, 1)).pick([1, 3]).amplitude, rtol=1e-9
+    )
     assert second.damper == row
     study["dampers"] = [study["damper"] | {"node": 9999}]
     wrong = Config.model_validate(study)
