@@ -175,7 +175,7 @@ class _Dispatcher:
         return bool(self.in_flight)
 
     def _following(self) -> Job | None:
-        """Next job that can start: one to retry, one that has waited, one from the source; a suspect if nothing runs."""
+        """Next job that can start: one to retry, one that has waited, one from the source; alone, a suspect."""
         if self.retries:
             return self.retries.popleft()
         for k, job in enumerate(self.waiting):
