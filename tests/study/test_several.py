@@ -7,6 +7,8 @@ from ruamel.yaml import YAML
 
 from conftest import ROOT
 from warpdamp import Config, ConfigError, accelerance, carry_out, load, run
+from warpdamp.accessor import Damper
+from warpdamp.analysis.optimum import optimum
 from warpdamp.coupled.run import simulate
 from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
@@ -161,8 +163,13 @@ def test_what_is_for_one_damper_says_so(write):
         simulate(config, InProcess())
     with pytest.raises(ConfigError, match="dampers: several dampers are run as a whole: leave --part out"):
         carry_out(config, "nowhere", part=(1, 2))
+    several = xr.Dataset(coords={"damper": [1, 2]})
     with pytest.raises(ModalError, match="several dampers, which have no one mass"):
-        accelerance(xr.Dataset(coords={"damper": [1, 2]}))
+        accelerance(several)
+    with pytest.raises(ValueError, match="several dampers: an optimum is of one"):
+        optimum(several)
+    with pytest.raises(ValueError, match="several dampers: the damping is in `damping_ratio`"):
+        Damper(several).damping(None)
 
 
 @pytest.mark.parametrize(
