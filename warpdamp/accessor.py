@@ -96,6 +96,10 @@ class Damper:
         vibrating structures, eqs 4-11.
         """
         dataset = self._dataset
+        if "damper" in dataset.dims:
+            raise ValueError(
+                "results of several dampers: the damping is in `damping_ratio`, of modes that carry them all"
+            )
         if "frequency" not in dataset["effectiveness"].dims:
             raise ValueError("damping of modes needs frequency as a dimension of the Dataset")
         low, high = float(dataset["frequency"].min()), float(dataset["frequency"].max())

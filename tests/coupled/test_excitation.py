@@ -106,6 +106,17 @@ def test_a_mode_on_a_base_that_moves(write, frequency):
     assert float(runs["base_work"]) == pytest.approx(float(runs["structure_loss"]), rel=0.1)
 
 
+def test_a_sweep_of_the_base_gives_the_transmissibility(write):
+    """Within 2 % of its peak, from one sweep through the mode and back out of the band, without a window."""
+    text = LIGHT.replace("damping: 1 %", "damping: 5 %")
+    text += "coupled: {duration: 20 s, base: {swept: {gamma: 0.05, from: 20 Hz, to: 60 Hz}}}\n"
+    runs = simulate(load(write(text)), InProcess())
+    found = (runs["transmissibility_real"] + 1j * runs["transmissibility_imaginary"]).sel(frequency=slice(30, 50))
+    w, natural = 2 * np.pi * found["frequency"].values, 2 * math.pi * NATURAL
+    exact = 1 + PARTICIPATION * MASS**-0.5 * w**2 / (natural**2 - w**2 + 0.1j * natural * w)
+    np.testing.assert_allclose(found.values, exact, atol=0.02 * np.abs(exact).max())
+
+
 def test_energies_close_on_a_base_with_particles_that_matter(write):
     """A third of the structure's mass in particles, thrown about: work of the base against all losses."""
     text = LIGHT.replace("count: 1, radius: 1 mm", "count: 30, radius: 1.5 mm").replace("0.362 kg", "2 g")

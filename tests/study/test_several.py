@@ -3,12 +3,17 @@
 import numpy as np
 import pytest
 import xarray as xr
+from ruamel.yaml import YAML
 
-from warpdamp import ConfigError, accelerance, carry_out, load, run
+from conftest import ROOT
+from warpdamp import Config, ConfigError, accelerance, carry_out, load, run
+from warpdamp.accessor import Damper
+from warpdamp.analysis.optimum import optimum
 from warpdamp.coupled.run import simulate
 from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
 from warpdamp.modal.from_config import modes, seen_by_all
+from warpdamp.modal.mode_csv import read_csv
 from warpdamp.study.explain import explain
 from warpdamp.study.several import every_damper, modes_of_all, studies
 
@@ -106,6 +111,43 @@ def test_places_on_a_plate_are_those_of_their_footprints(write):
     assert second.amplitude == pytest.approx(first.amplitude, rel=1e-3)  # meshes are graded from one side
 
 
+def test_places_on_modes_from_a_file(tmp_path):
+    """By node and by position: the same place, and the mass of both fillings there and at the first damper."""
+    yaml = YAML(typ="safe")
+    study = yaml.load(ROOT / "configs" / "mode_file.yaml")
+    study["structure"]["mode_file"]["file"] = str(ROOT / "configs" / study["structure"]["mode_file"]["file"])
+    every = read_csv(study["structure"]["mode_file"]["file"]).at((0.29, 0, 0), (0, 0, 1))
+    row = len(every.point) // 4
+    study["dampers"] = [study["damper"] | {"position": [float(x) for x in every.point[row]]}]
+    both = Config.model_validate(study)
+    first, second = seen_by_all(both, modes(both, particles=0.02, further=[0.01]))
+    exact = every.with_mass(0.02).seen_from(row, (0, 0, 1)).with_mass(0.01)
+    np.testing.assert_allclose(second.frequency, exact.pick([1, 3]).frequency, rtol=1e-12)
+    np.testing.assert_allclose(second.amplitude, exact.pick([1, 3]).amplitude, rtol=1e-9)
+    np.testing.assert_allclose(
+        first.amplitude, exact.seen_from(every.damper, (0, 0, 1)).pick([1, 3]).amplitude, rtol=1e-9
+    )
+    assert second.damper == row
+    study["dampers"] = [study["damper"] | {"node": 9999}]
+    wrong = Config.model_validate(study)
+    with pytest.raises(ConfigError, match="there is no node 9999"):
+        seen_by_all(wrong, modes(Config.model_validate(study | {"dampers": []}), particles=0.0))
+
+
+def test_participation_on_modes_from_a_file():
+    study = YAML(typ="safe").load(ROOT / "configs" / "mode_file.yaml")
+    source = study["structure"]["mode_file"]
+    source["file"] = str(ROOT / "configs" / source["file"])
+    count = len(read_csv(source["file"]).number)
+    source["participation"] = [0.1 * k for k in range(count)]
+    found = modes(Config.model_validate(study), particles=0.0)
+    along = found.participation @ np.asarray(found.direction)
+    np.testing.assert_allclose(along, 0.1 * (found.number - 1), atol=1e-12)
+    source["participation"] = [0.1]
+    with pytest.raises(ConfigError, match=f"participation: 1 values for {count} modes"):
+        modes(Config.model_validate(study), particles=0.0)
+
+
 def test_it_is_explained(write):
     text = explain(load(write(GIVEN.replace("PHI", repr(PHI / 2)))))
     assert "Damper 1: mass-normalised shape 1.414 in mode 1, 1.118 in mode 2" in text
@@ -121,8 +163,13 @@ def test_what_is_for_one_damper_says_so(write):
         simulate(config, InProcess())
     with pytest.raises(ConfigError, match="dampers: several dampers are run as a whole: leave --part out"):
         carry_out(config, "nowhere", part=(1, 2))
+    several = xr.Dataset(coords={"damper": [1, 2]})
     with pytest.raises(ModalError, match="several dampers, which have no one mass"):
-        accelerance(xr.Dataset(coords={"damper": [1, 2]}))
+        accelerance(several)
+    with pytest.raises(ValueError, match="several dampers: an optimum is of one"):
+        optimum(several)
+    with pytest.raises(ValueError, match="several dampers: the damping is in `damping_ratio`"):
+        Damper(several).damping(None)
 
 
 @pytest.mark.parametrize(

@@ -115,10 +115,12 @@ def optimum(dataset: xr.Dataset, of: str = "effectiveness") -> xr.Dataset:
     Raises
     ------
     ValueError
-        If Gamma is not a dimension.
+        If Gamma is not a dimension, or the results are of several dampers, each of which has a Gamma of its own.
     """
     import xarray as xr
 
+    if "damper" in dataset.dims:
+        raise ValueError("results of several dampers: an optimum is of one, as `warpdamp collect` gives each")
     value, error = dataset[of], dataset[f"{of}_standard_error"]
     if "gamma" not in value.dims:
         raise ValueError("an optimum needs a curve: gamma is not a dimension of this Dataset")
