@@ -144,8 +144,3 @@ def suggestion(name, known) -> str:
     """End of a sentence about an unknown name: the closest known one, or all of them."""
     close = _closest(name, known)
     return f"; did you mean '{close}'?" if close else f"; choose from {', '.join(known)}"
-
-
-def printable(line: str) -> str:
-    """Line with unprintable characters and line breaks spelt out."""
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)

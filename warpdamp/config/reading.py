@@ -10,7 +10,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..errors import ConfigError
-from .messages import decimal_commas, explained, place, printable, relevant
+from ..text_file import printable
+from .messages import decimal_commas, explained, place, relevant
 from .study import Config
 
 

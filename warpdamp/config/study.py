@@ -14,11 +14,12 @@ from pydantic import (
 
 from ..errors import ConfigError
 from ..numerics.tolerance import FEWEST_PACKINGS
+from ..text_file import printable
 from .base import POSITIVE as _positive
 from .base import Model
 from .coupled import CoupledConfig
 from .damper import WALLS, ContactConfig, DamperConfig, EffectsConfig, ExcitationConfig, MaterialConfig, between
-from .messages import keys, place, printable, suggestion
+from .messages import keys, place, suggestion
 from .quantities import Number, Time
 from .structure import FurtherDamperConfig, StructureConfig, check_further
 from .sweep import SweepConfig

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import ModalError
-from ..text_file import TableError
+from ..text_file import TableError, printable
 from ..variables import describe
 from .frf_curve import Curve
 from .frf_table import read_frf_table
@@ -59,7 +59,7 @@ def read_frf(
     try:
         curves = reader(path, **given, **chosen) if reader is read_frf_uff else [reader(path, **given)]
     except (ModalError, TableError) as error:
-        raise ModalError(_printable(str(error))) from None
+        raise ModalError(printable(str(error))) from None
     if len(curves) > 1 and not every:
         names = listed([curve.name for curve in curves])
         raise ModalError(
@@ -67,11 +67,6 @@ def read_frf(
             "number, or every one"
         )
     return _dataset(path, curves, several=every)
-
-
-def _printable(line: str) -> str:
-    """The line with whatever a damaged file would break it by spelt out."""
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)
 
 
 def _read_netcdf(path: Path) -> xr.Dataset:
