@@ -26,7 +26,7 @@ def stepper(effects, count: int):
     """Return the kernels ``advance`` and ``synchronise`` for the given effects, ``count`` contacts side by side."""
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
-    Case, Particle, Contacts, Mount = t.Case, t.Particle, t.Contacts, t.Mount
+    Case, Particle, Contacts, HostStructure = t.Case, t.Particle, t.Contacts, t.HostStructure
     nearby_pairs, pair_forces, _ = pair_contacts(effects, count)
     wall_forces, _, contained = wall_contacts(effects, count)
     enclosure_phase, integrate, kick = motion(effects)
@@ -43,7 +43,7 @@ def stepper(effects, count: int):
         p: wp.array(dtype=Particle),
         c: Contacts,
         nearby: int,
-        mount: Mount,
+        host: HostStructure,
         step: wp.int64,
         h: real,
         since: real,
@@ -68,10 +68,10 @@ def stepper(effects, count: int):
         row = tally(case, row, pair_losses, wall_losses, largest, reaction, cosine, sine, h)
         if wp.static(effects.structure):
             along = wp.dot(reaction, case.direction)
-            place = enclosure_place(case, mount)
-            acceleration, base, force_work, loss = answer(case, mount, step, along, h, drift)
+            place = enclosure_place(case, host)
+            acceleration, base, force_work, loss = answer(case, host, step, along, h, drift)
             if drift > real(0.0):
-                record(case, mount, step, place, acceleration, along)
+                record(case, host, step, place, acceleration, along)
             row[Column.force_work] += force_work
             row[Column.structure_loss] += loss
             return -acceleration * case.direction, base, row
@@ -91,7 +91,7 @@ def stepper(effects, count: int):
         cases: wp.array(dtype=Case),
         p: wp.array(dtype=Particle),
         c: Contacts,
-        mount: Mount,
+        host: HostStructure,
         # in and out:
         target: wp.array(dtype=wp.int64),
         steps: wp.array(dtype=wp.int64),
@@ -126,14 +126,14 @@ def stepper(effects, count: int):
             if step == wp.int64(0):
                 h = real(0.5) * case.dt  # from the given velocities at step 0 to the half step
                 since = real(0.0)
-                rows[case.first_row] = stored(case, p, c, mount, row, real(0.0))
+                rows[case.first_row] = stored(case, p, c, host, row, real(0.0))
                 if wp.static(effects.indicators):
                     begin_cycle(case, p, cycle_start)
 
             if real(2.01) * way > margin:  # a little more than 2, for round-off
                 nearby = nearby_pairs(case, p, c, margin)
                 way = real(0.0)
-            inertial, base, row = forces(case, p, c, nearby, mount, step, h, since, case.dt, row)
+            inertial, base, row = forces(case, p, c, nearby, host, step, h, since, case.dt, row)
             work, travel2, fastest2, mean_velocity, momentum = integrate(case, p, inertial, h, shift)
             way += case.dt * wp.sqrt(fastest2)
             row = worked(case, row, work, momentum, base, h)
@@ -150,7 +150,7 @@ def stepper(effects, count: int):
                     row = cycle_displacement(case, p, cycle_start, row)
                     begin_cycle(case, p, cycle_start)
                 if cycle < case.rows:
-                    rows[case.first_row + cycle] = stored(case, p, c, mount, row, real(0.5) * case.dt)
+                    rows[case.first_row + cycle] = stored(case, p, c, host, row, real(0.5) * case.dt)
         if wp.static(effects.guards and effects.enclosure):
             if status[n] == OK and not contained(case, p):
                 status[n] = ESCAPED
@@ -167,7 +167,7 @@ def stepper(effects, count: int):
         # in and out: copies, for the run goes on from its half step
         p: wp.array(dtype=Particle),
         c: Contacts,
-        mount: Mount,
+        host: HostStructure,
         tallies: wp.array(dtype=Row),
     ):
         """Bring velocities, springs and ledger from the half step to the whole one, to be read."""
@@ -178,9 +178,9 @@ def stepper(effects, count: int):
         if step > wp.int64(0):
             h = real(0.5) * case.dt
             nearby = nearby_pairs(case, p, c, real(0.0))
-            inertial, base, row = forces(case, p, c, nearby, mount, step, h, case.dt, real(0.0), row)
+            inertial, base, row = forces(case, p, c, nearby, host, step, h, case.dt, real(0.0), row)
             work, momentum = kick(case, p, inertial, h)
             row = worked(case, row, work, momentum, base, h)
-        tallies[n] = stored(case, p, c, mount, row, real(0.0))
+        tallies[n] = stored(case, p, c, host, row, real(0.0))
 
     return advance, synchronise

@@ -30,7 +30,7 @@ def ledger(effects, count: int):
     """
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
-    Case, Particle, Contacts, Mount = t.Case, t.Particle, t.Contacts, t.Mount
+    Case, Particle, Contacts, HostStructure = t.Case, t.Particle, t.Contacts, t.HostStructure
     modal_energy = structure(effects).modal_energy
     Column = IntEnum("Column", columns(effects), start=0)
     LOSSES = wp.constant(len(losses(effects)))
@@ -89,7 +89,7 @@ def ledger(effects, count: int):
         return row
 
     @wp.func
-    def stored(case: Case, p: wp.array(dtype=Particle), c: Contacts, mount: Mount, row: Row, offset: real):
+    def stored(case: Case, p: wp.array(dtype=Particle), c: Contacts, host: HostStructure, row: Row, offset: real):
         """Fill in the stored energies, positions taken ``offset`` seconds back (velocities and springs lie there)."""
         momentum = wp.float64(0.0)
         weight = wp.float64(0.0)
@@ -121,7 +121,7 @@ def ledger(effects, count: int):
         row[Column.elastic_tangential] = elastic[1]
         row[Column.elastic_rolling] = elastic[2]
         if wp.static(effects.structure):
-            energy, place, velocity = modal_energy(case, mount, offset)
+            energy, place, velocity = modal_energy(case, host, offset)
             speed = wp.float64(velocity)
             row[Column.structure_energy] = energy
             row[Column.frame_energy] = (

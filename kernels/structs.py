@@ -164,7 +164,7 @@ def structs(effects):
         velocity: real  # at n - 1/2
 
     @wp.struct
-    class Mount:
+    class HostStructure:
         """Host structures of all cases: their modes, what moves them, and records."""
 
         count: wp.int32  # of modes of all cases together
@@ -205,7 +205,7 @@ def structs(effects):
         Particle=Particle,
         Contacts=Contacts,
         Mode=Mode,
-        Mount=Mount,
+        HostStructure=HostStructure,
         Motion=Motion,
         Touch=Touch,
         History=History,

@@ -28,10 +28,10 @@ def structure(effects):
     """Return ``answer``, ``modal_energy``, ``enclosure_place`` and ``record`` for the given effects."""
     t = types(effects)
     real = t.real
-    Case, Mount = t.Case, t.Mount
+    Case, HostStructure = t.Case, t.HostStructure
 
     @wp.func
-    def excitation(case: Case, mount: Mount, step: wp.int64):
+    def excitation(case: Case, host: HostStructure, step: wp.int64):
         """Return the force at the damper [N] and the base's acceleration [m/s^2], of which one is zero.
 
         A harmonic part, and samples with straight lines between.
@@ -42,14 +42,14 @@ def structure(effects):
             place = real(step) * case.dt / case.sample_step
             k = wp.min(wp.int32(place), case.samples - 2)
             part = wp.min(place - real(k), real(1.0))
-            first = mount.signal[case.first_sample + k]
-            value += first + part * (mount.signal[case.first_sample + k + 1] - first)
+            first = host.signal[case.first_sample + k]
+            value += first + part * (host.signal[case.first_sample + k + 1] - first)
         if case.base_moves == 1:
             return real(0.0), value
         return value, real(0.0)
 
     @wp.func
-    def answer(case: Case, mount: Mount, step: wp.int64, reaction: real, h: real, drift: real):
+    def answer(case: Case, host: HostStructure, step: wp.int64, reaction: real, h: real, drift: real):
         """Advance the modes' velocities over ``h`` and their places over ``drift``.
 
         Returns
@@ -59,12 +59,12 @@ def structure(effects):
         force_work, loss : float64 [J]
             Of the excitation, less what the base does by the particles' momentum p; and by the structure's own damping.
         """
-        force, base = excitation(case, mount, step)
+        force, base = excitation(case, host, step)
         acceleration = base
         force_work = wp.float64(0.0)
         loss = wp.float64(0.0)
         for r in range(case.first_mode, case.first_mode + case.modes):
-            mode = mount.modes[r]
+            mode = host.modes[r]
             before = mode.velocity
             push = mode.amplitude * (force + reaction) - mode.participation * base - mode.stiffness * mode.position
             after = (before * (real(1.0) - h * mode.damping) + h * push) / (real(1.0) + h * mode.damping)
@@ -73,12 +73,12 @@ def structure(effects):
             carried = mode.participation + case.particle_mass * mode.amplitude
             force_work += wp.float64((mode.amplitude * force - carried * base) * mean * h)
             loss += wp.float64(real(2.0) * mode.damping * mean * mean * h)
-            mount.modes[r].velocity = after
-            mount.modes[r].position = mode.position + drift * after
+            host.modes[r].velocity = after
+            host.modes[r].position = mode.position + drift * after
         return acceleration, base, force_work, loss
 
     @wp.func
-    def modal_energy(case: Case, mount: Mount, offset: real):
+    def modal_energy(case: Case, host: HostStructure, offset: real):
         """Energy of the modes [J], and the enclosure's place [m] and velocity [m/s] along its direction.
 
         Positions are taken ``offset`` seconds back, where the velocities are.
@@ -87,7 +87,7 @@ def structure(effects):
         place = real(0.0)
         velocity = real(0.0)
         for r in range(case.first_mode, case.first_mode + case.modes):
-            mode = mount.modes[r]
+            mode = host.modes[r]
             q = mode.position - offset * mode.velocity
             energy += wp.float64(real(0.5) * (mode.velocity * mode.velocity + mode.stiffness * q * q))
             place += mode.amplitude * q
@@ -95,20 +95,20 @@ def structure(effects):
         return energy, place, velocity
 
     @wp.func
-    def enclosure_place(case: Case, mount: Mount):
+    def enclosure_place(case: Case, host: HostStructure):
         """x along the direction [m]."""
         place = real(0.0)
         for r in range(case.first_mode, case.first_mode + case.modes):
-            place += mount.modes[r].amplitude * mount.modes[r].position
+            place += host.modes[r].amplitude * host.modes[r].position
         return place
 
     @wp.func
-    def record(case: Case, mount: Mount, step: wp.int64, place: real, acceleration: real, reaction: real):
+    def record(case: Case, host: HostStructure, step: wp.int64, place: real, acceleration: real, reaction: real):
         """Keep the enclosure's place, its acceleration and the particles' force on it every so many steps."""
         if case.record > 0 and step % wp.int64(case.record) == wp.int64(0):
             k = wp.int32(step / wp.int64(case.record))
             if k < case.records:
-                mount.records[case.first_record + k] = wp.vec3d(
+                host.records[case.first_record + k] = wp.vec3d(
                     wp.float64(place), wp.float64(acceleration), wp.float64(reaction)
                 )
 

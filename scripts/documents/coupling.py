@@ -20,7 +20,7 @@ from shared import DOCS, ROOT, head, panels, processes, table, write_document
 from warpdamp import corrected, load
 from warpdamp.analysis.results import write
 from warpdamp.config.build import grains, scene
-from warpdamp.coupled.identify import from_decay, from_response, mount_of
+from warpdamp.coupled.identify import from_decay, from_response, host_of
 from warpdamp.coupled.run import Run, advance
 from warpdamp.damper.case import Request
 from warpdamp.modal.from_config import modes
@@ -46,13 +46,13 @@ def held(gamma: float, seed: int) -> dict:
     loss = (
         2 * (float(expected["corrected_damping_ratio"]) + INHERENT) / float(expected["corrected_mode_amplitude"]) ** 2
     )
-    mount = mount_of(
+    host = host_of(
         mode,
         [INHERENT],
         force=Force(loss * w**2 * amplitude, frequency),
         position=(-amplitude / phi,),
     )
-    return _run(config, mount, gamma, frequency, seed, CYCLES) | {"kind": "held"}
+    return _run(config, host, gamma, frequency, seed, CYCLES) | {"kind": "held"}
 
 
 def released(gamma: float, seed: int) -> dict:
@@ -60,17 +60,17 @@ def released(gamma: float, seed: int) -> dict:
     config = load(ROOT / "configs" / "beam.yaml")
     mode = modes(config, particles=0.0).pick([1])
     w = 2 * math.pi * float(mode.frequency[0])
-    mount = mount_of(mode, [INHERENT], position=(gamma * STANDARD_GRAVITY / w**2 / float(mode.amplitude[0]),))
-    return _run(config, mount, gamma, float(mode.frequency[0]), seed, DECAY) | {"kind": "released"}
+    host = host_of(mode, [INHERENT], position=(gamma * STANDARD_GRAVITY / w**2 / float(mode.amplitude[0]),))
+    return _run(config, host, gamma, float(mode.frequency[0]), seed, DECAY) | {"kind": "released"}
 
 
-def _run(config, mount, gamma, frequency, seed, cycles) -> dict:
+def _run(config, host, gamma, frequency, seed, cycles) -> dict:
     base, own = scene(config), grains(config)
     n = steps_per_cycle(base.driven(Drive(frequency, gamma * STANDARD_GRAVITY)), own)
-    mount = replace(mount, record=n // RECORDS)
-    done = advance(Run(Request(base, own, seed), base.mounted(mount), 1 / frequency / n, cycles * n))
+    host = replace(host, record=n // RECORDS)
+    done = advance(Run(Request(base, own, seed), base.on_host(host), 1 / frequency / n, cycles * n))
     records = done["records"]
-    found = from_response(records, mount, WINDOW) if mount.force else from_decay(records)
+    found = from_response(records, host, WINDOW) if host.force else from_decay(records)
     return {
         "asked": gamma,
         "seed": seed,

@@ -115,7 +115,7 @@ def test_the_direction_is_the_excitations(write):
     """Across the axis of the damper, whatever the structure calls its own direction."""
     text = HEAVY.replace("excitation: {gamma: 1}", "excitation: {gamma: 1, direction: lateral}")
     runs, _ = _runs(load(write(text + "coupled: {duration: 1 s, release: {gamma: 1, mode: 1}}\n")))
-    assert runs[0, 0].scene.mount.direction == (1.0, 0.0, 0.0)
+    assert runs[0, 0].scene.host.direction == (1.0, 0.0, 0.0)
 
 
 def test_a_recorded_blow_is_heard_in_the_frf(write, tmp_path):

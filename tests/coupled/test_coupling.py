@@ -7,7 +7,7 @@ import pytest
 
 from warpdamp import Batch, Case, Cylinder, State
 from warpdamp.coupled.identify import from_decay, from_response
-from warpdamp.scene.host import Force, Mount
+from warpdamp.scene.host import Force, HostStructure
 from warpdamp.scene.paper import RADIUS
 
 MODE = {"frequency": (40.0,), "damping": (0.01,), "amplitude": (1.7,)}
@@ -28,8 +28,8 @@ def run(scene, state, dt, steps, *, records=0, rows=1):
 
 def test_an_empty_damper_rings_down_with_the_damping_given(empty):
     scene, state = empty
-    mount = Mount(**MODE, position=(1e-3,), record=20)
-    batch, _, _ = run(scene.mounted(mount), state, 1e-5, 60_000, records=3000)
+    host = HostStructure(**MODE, position=(1e-3,), record=20)
+    batch, _, _ = run(scene.on_host(host), state, 1e-5, 60_000, records=3000)
     records = batch.records(0)
     w, zeta = 2 * math.pi * 40, 0.01
     wd = w * math.sqrt(1 - zeta**2)
@@ -48,7 +48,11 @@ def test_its_step_is_of_second_order(empty):
     steps, misses = np.array([4e-5, 2e-5, 1e-5]), []
     for dt in steps:
         batch, _, _ = run(
-            scene.mounted(Mount(**MODE, position=(1e-3,), record=1)), state, dt, round(0.05 / dt) + 1, records=6000
+            scene.on_host(HostStructure(**MODE, position=(1e-3,), record=1)),
+            state,
+            dt,
+            round(0.05 / dt) + 1,
+            records=6000,
         )
         records = batch.records(0)
         t = records[:, 0]
@@ -63,12 +67,12 @@ def test_a_harmonic_force_gives_the_receptance(empty):
     f, amplitude = 39.0, 0.3
     w, wn, zeta, phi = 2 * math.pi * f, 2 * math.pi * 40, 0.01, 1.7
     modal = phi * (-1j * amplitude) / (wn**2 - w**2 + 2j * zeta * wn * w)  # q = Re(modal exp(j w t))
-    mount = Mount(
+    host = HostStructure(
         **MODE, force=Force(amplitude, f), position=(modal.real,), velocity=((1j * w * modal).real,), record=25
     )
     n = 2000
-    batch, _start, now = run(scene.mounted(mount), state, 1 / f / n, 20 * n, records=20 * 80 + 1, rows=21)
-    for window in from_response(batch.records(0), mount, 5):
+    batch, _start, now = run(scene.on_host(host), state, 1 / f / n, 20 * n, records=20 * 80 + 1, rows=21)
+    for window in from_response(batch.records(0), host, 5):
         assert window.frequency == pytest.approx(40, rel=1e-6)
         assert window.damping == pytest.approx(zeta, rel=1e-3)
         assert window.gamma == pytest.approx(phi * abs(modal) * w**2 / 9.81, rel=1e-4)
@@ -79,14 +83,14 @@ def test_samples_of_a_force_are_followed(empty):
     """A constant force given by samples: the mode swings about F phi^2 / w^2; a ramp is met between samples, too."""
     scene, state = empty
     undamped = {"frequency": (40.0,), "damping": (0.0,), "amplitude": (1.7,)}
-    push = Mount(**undamped, force=Force(samples=np.array([2.0, 2.0]), sample_step=0.01), record=10)
-    batch, _, _ = run(scene.mounted(push), state, 1e-5, 10_000, records=1000)
+    push = HostStructure(**undamped, force=Force(samples=np.array([2.0, 2.0]), sample_step=0.01), record=10)
+    batch, _, _ = run(scene.on_host(push), state, 1e-5, 10_000, records=1000)
     records = batch.records(0)
     w = 2 * math.pi * 40
     exact = 2.0 * 1.7**2 / w**2 * (1 - np.cos(w * records[:, 0]))
     np.testing.assert_allclose(records[:, 1], exact, atol=1e-5 * exact.max())
-    ramp = Mount(**undamped, force=Force(samples=np.array([0.0, 1.0]), sample_step=0.1), record=10)
-    batch, _, _ = run(scene.mounted(ramp), state, 1e-5, 9_000, records=1000)
+    ramp = HostStructure(**undamped, force=Force(samples=np.array([0.0, 1.0]), sample_step=0.1), record=10)
+    batch, _, _ = run(scene.on_host(ramp), state, 1e-5, 9_000, records=1000)
     t, place = batch.records(0)[:, :2].T
     exact = 10 * 1.7**2 / w**2 * (t - np.sin(w * t) / w)
     np.testing.assert_allclose(place, exact, atol=1e-5 * exact.max())
@@ -94,8 +98,8 @@ def test_samples_of_a_force_are_followed(empty):
 
 def test_two_modes_superpose(empty):
     scene, state = empty
-    both = Mount((40.0, 90.0), (0.01, 0.005), (1.7, 0.8), position=(1e-3, 5e-4), record=50)
-    batch, _, _ = run(scene.mounted(both), state, 1e-5, 20_000, records=400)
+    both = HostStructure((40.0, 90.0), (0.01, 0.005), (1.7, 0.8), position=(1e-3, 5e-4), record=50)
+    batch, _, _ = run(scene.on_host(both), state, 1e-5, 20_000, records=400)
     records = batch.records(0)
     t, exact = records[:, 0], 0.0
     for f, zeta, phi, q in zip(both.frequency, both.damping, both.amplitude, both.position, strict=True):
@@ -112,8 +116,8 @@ def test_particles_that_move_along_weigh_on_the_mode(make_scene, loose_positions
     scene = make_scene(enclosure=Cylinder(0.04, 0.04), gravity=(0, 0, -9.81))
     bed = settle(scene, State.at_rest(loose_positions(1), RADIUS))
     mass = float(scene.masses(bed).sum())
-    mount = Mount((40.0,), (0.002,), (1.7,), position=(0.05 * 9.81 / (2 * math.pi * 40) ** 2 / 1.7,), record=40)
-    batch, _start, _now = run(scene.mounted(mount), bed, 2.5e-6, 80_000, records=2000)
+    host = HostStructure((40.0,), (0.002,), (1.7,), position=(0.05 * 9.81 / (2 * math.pi * 40) ** 2 / 1.7,), record=40)
+    batch, _start, _now = run(scene.on_host(host), bed, 2.5e-6, 80_000, records=2000)
     swings = from_decay(batch.records(0))
     expected = 40 / math.sqrt(1 + 1.7**2 * mass)
     assert np.mean([s.frequency for s in swings]) == pytest.approx(expected, rel=2e-4)
@@ -125,29 +129,29 @@ def test_one_ledger_over_structure_and_particles(make_scene, loose_positions):
     """Work of the force = losses of both + gain of both: within half a percent of what was lost."""
     scene = make_scene(enclosure=Cylinder(0.04, 0.04), gravity=(0, 0, -9.81))
     state = State.at_rest(loose_positions(2), RADIUS)
-    mount = Mount((41.0,), (0.003,), (1.7,), force=Force(4.0, 40.0), velocity=(0.2,))
+    host = HostStructure((41.0,), (0.003,), (1.7,), force=Force(4.0, 40.0), velocity=(0.2,))
     n = 12_000
-    batch, _start, _now = run(scene.mounted(mount), state, 1 / 40 / n, 5 * n, rows=6)
+    batch, _start, _now = run(scene.on_host(host), state, 1 / 40 / n, 5 * n, rows=6)
     ledger = batch.cycles(0)
     lost = ledger.dissipated[-1] + ledger["structure_loss"][-1]
     assert ledger.dissipated[-1] > ledger["structure_loss"][-1] > 0
     assert abs(ledger.coupled_residual[-1]) < 5e-3 * lost
     assert abs(ledger.residual[-1]) < 5e-3 * lost  # the particles' own, in the enclosure's frame
-    again = Batch([Case(scene.mounted(mount), state, 1 / 40 / n)], max_rows=6)
+    again = Batch([Case(scene.on_host(host), state, 1 / 40 / n)], max_rows=6)
     for steps in (7, n, 2 * n + 5, 5 * n):
         again.advance(steps)
         again.read()
     assert np.array_equal(again.cycles(0).rows, ledger.rows)
 
 
-def test_what_cannot_be_mounted_is_refused(make_scene):
+def test_what_cannot_be_fixed_to_a_structure_is_refused(make_scene):
     from warpdamp import Drive
 
     scene = make_scene(enclosure=Cylinder(0.04, 0.04), drive=Drive(40.0, 9.81))
     with pytest.raises(ValueError, match="not both"):
-        type(scene)(**{**vars(scene), "mount": Mount(**MODE)})
+        type(scene)(**{**vars(scene), "host": HostStructure(**MODE)})
     with pytest.raises(ValueError, match="for each frequency"):
-        Mount((40.0, 50.0), (0.01,), (1.7,))
+        HostStructure((40.0, 50.0), (0.01,), (1.7,))
     with pytest.raises(ValueError, match="positive frequency"):
         Force(1.0)
     with pytest.raises(ValueError, match="at least two samples"):

@@ -24,7 +24,7 @@ from warpdamp import load, run
 from warpdamp.config.spectra import SPECTRA
 from warpdamp.coupled import forces, noise
 from warpdamp.coupled.identify import first_harmonic
-from warpdamp.scene.host import BaseMotion, Mount
+from warpdamp.scene.host import BaseMotion, HostStructure
 from warpdamp.scene.scene import STANDARD_GRAVITY
 
 NATURAL, MASS = 40.0, 0.5
@@ -40,16 +40,16 @@ def on_a_base(motion: BaseMotion, damping: float, record: int) -> Scene:
     """A mass on a spring whose enclosure holds one particle of a fraction of a microgram, and no walls."""
     feather = Material(density=1e-3, youngs_modulus=3.3e9, poissons_ratio=0.37)
     smooth = Surface(1.0, 0.0)
-    mount = Mount(
+    host = HostStructure(
         (NATURAL,), (damping,), (MASS**-0.5,), base=motion, participation=(MASS**0.5,), record=record
     )  # fmt: skip
-    return Scene(feather, feather, smooth, smooth, None, (0.0, 0.0, 0.0), mount=mount)
+    return Scene(feather, feather, smooth, smooth, None, (0.0, 0.0, 0.0), host=host)
 
 
 def records_of(scenes, dt, steps):
     """Records of scenes that advance together."""
     start = State.at_rest([[0, 0, 0]], RADIUS)
-    most = [1 + (n - 1) // s.mount.record for s, n in zip(scenes, steps, strict=True)]
+    most = [1 + (n - 1) // s.host.record for s, n in zip(scenes, steps, strict=True)]
     batch = Batch([Case(s, start, h) for s, h in zip(scenes, dt, strict=True)], max_records=max(most))
     batch.advance(steps)
     return [batch.records(k) for k in range(len(scenes))]

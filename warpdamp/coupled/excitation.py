@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..scene.host import BaseMotion, Force, Mount, Signal
+from ..scene.host import BaseMotion, Force, HostStructure, Signal
 from ..scene.scene import STANDARD_GRAVITY
 from . import forces, noise, response
 
@@ -117,15 +117,15 @@ def content(own: CoupledConfig, signal: Signal | None) -> float:
     return random.spectrum[-1][0] if random and random.spectrum else 0.0
 
 
-def largest_speed(mount: Mount, modes: Modes, particles: float, duration: float) -> float:
+def largest_speed(host: HostStructure, modes: Modes, particles: float, duration: float) -> float:
     """Speed of the enclosure [m/s], if the particles were one rigid mass [kg]: the step is chosen for it."""
-    if mount.excitation is None:
-        return mount.speed
-    time = forces.moments(mount.excitation, duration)
-    signal = forces.applied(mount.excitation, time)
+    if host.excitation is None:
+        return host.speed
+    time = forces.moments(host.excitation, duration)
+    signal = forces.applied(host.excitation, time)
     loaded = modes.with_mass(particles)
     load, speed = loaded.amplitude, np.zeros(len(time))
-    if mount.base:
+    if host.base:
         load = -base_participation(loaded)
         speed = np.cumsum(signal - signal.mean()) * time[1]
     for f, phi, own, zeta in zip(loaded.frequency, loaded.amplitude, load, loaded.inherent_damping, strict=True):

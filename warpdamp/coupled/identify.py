@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..scene.host import Mount
+from ..scene.host import HostStructure
 from ..scene.scene import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -35,10 +35,10 @@ class Identified:
     damping: float
 
 
-def mount_of(modes: Modes, damping, **start) -> Mount:
-    """Mount of modes without particles, with their inherent damping ratios; ``start`` as of ``Mount``."""
+def host_of(modes: Modes, damping, **start) -> HostStructure:
+    """Host structure of modes without particles, with their inherent damping ratios; ``start``: its further fields."""
     gammas = () if modes.participation is None else modes.participation @ np.asarray(modes.direction)
-    return Mount(
+    return HostStructure(
         tuple(map(float, modes.frequency)),
         tuple(map(float, damping)),
         tuple(map(float, modes.amplitude)),
@@ -52,7 +52,7 @@ def first_harmonic(time, values, frequency: float) -> complex:
     return complex(2 * np.mean(values * np.exp(-2j * math.pi * frequency * time)))
 
 
-def from_response(records: np.ndarray, mount: Mount, cycles: int) -> list[Identified]:
+def from_response(records: np.ndarray, host: HostStructure, cycles: int) -> list[Identified]:
     """Identify a mode from its steady response to a harmonic signal, window by window.
 
     X / S = phi load / (w_n^2 - w^2 + 2 j zeta w_n w) of an equivalent linear mode is solved for w_n and zeta; where a
@@ -62,11 +62,11 @@ def from_response(records: np.ndarray, mount: Mount, cycles: int) -> list[Identi
     ----------
     records : (n, 4) array
         See ``Batch.records``.
-    mount : Mount
+    host : HostStructure
         Of one mode, with a harmonic force or base motion.
     cycles : to a window
     """
-    signal, scale = mount.excitation, mount.amplitude[0] * mount.load[0]
+    signal, scale = host.excitation, host.amplitude[0] * host.load[0]
     w = 2 * math.pi * signal.frequency
     applied = -1j * signal.amplitude  # A sin(w t) = Re(-j A exp(j w t))
     number = np.floor(records[:, 0] * signal.frequency / cycles + 1e-9).astype(int)
@@ -78,7 +78,7 @@ def from_response(records: np.ndarray, mount: Mount, cycles: int) -> list[Identi
         stiffness = scale * applied / place  # w_n^2 - w^2 + 2 j zeta w_n w
         squared = w**2 + stiffness.real
         natural = math.sqrt(squared) if squared > 0 else math.nan
-        acceleration = -(w**2) * place + (applied if mount.base else 0.0)
+        acceleration = -(w**2) * place + (applied if host.base else 0.0)
         gamma = abs(acceleration) / STANDARD_GRAVITY
         found.append(Identified(gamma, natural / (2 * math.pi), stiffness.imag / (2 * natural * w)))
     return found

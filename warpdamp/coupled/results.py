@@ -85,21 +85,21 @@ def _identified(own: CoupledConfig, runs, found, shape) -> xr.Dataset:
     """Dataset of what an experimenter would identify from the records."""
     import xarray as xr
 
-    mount = runs[0, 0].scene.mount
+    host = runs[0, 0].scene.host
     if own.release or own.signals.harmonic:
-        if len(mount.frequency) > 1:
+        if len(host.frequency) > 1:
             return xr.Dataset()
         read = {
             index: from_decay(one["records"])
             if own.release
-            else from_response(one["records"], runs[index].scene.mount, WINDOW)
+            else from_response(one["records"], runs[index].scene.host, WINDOW)
             for index, one in found.items()
         }
         return _windows(read, shape)
-    step = runs[0, 0].dt * mount.record
+    step = runs[0, 0].dt * host.record
     curves, moving = [], 0.0
     for i in range(shape[0]):
-        signal = runs[i, 0].scene.mount.excitation
+        signal = runs[i, 0].scene.host.excitation
         records = [found[i, j]["records"] for j in range(shape[1])]
         if own.signals.recorded and ends_within(signal, own.duration):
             moving = max(moving, *(response.still_moving(one[:, 1]) for one in records))

@@ -24,7 +24,7 @@ from ..scene.scene import Drive, Scene
 from ..sweep.cases import Cases
 from . import excitation
 from .excitation import RECORDS, RECORDS_OF_CONTENT, STEPS_OF_CONTENT
-from .identify import mount_of
+from .identify import host_of
 from .results import WINDOW, assembled
 
 if TYPE_CHECKING:
@@ -36,12 +36,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Run:
-    """Coupled run: a bed in a scene with its mount.
+    """Coupled run: a bed in a scene with its host.
 
     Parameters
     ----------
     bed : Request
-    scene : Scene, with its mount
+    scene : Scene, with its host
     dt : [s]
     steps : int
     """
@@ -94,7 +94,7 @@ def advance(run: Run) -> dict:
 
     state = prepare(run.bed).state
     effects = run.bed.numerics.effects(run.scene, run.bed.grains)
-    most = 1 + (run.steps - 1) // run.scene.mount.record
+    most = 1 + (run.steps - 1) // run.scene.host.record
     batch = Batch([Case(run.scene, state, run.dt)], max_records=most, effects=effects)
     first = batch.read()[0][1]
     started = time.process_time()
@@ -128,8 +128,8 @@ def _runs(config: Config) -> tuple[dict[tuple[int, int], Run], list[Signal | Non
     beds, base, particles = grains(config), scene(config), particle_mass(config)
     weight = particles * float(np.dot(base.gravity, config.excitation.direction))
     signals = excitation.signals(config)
-    mounts = [
-        mount_of(
+    hosts = [
+        host_of(
             modes,
             modes.inherent_damping,
             **{"base" if own.base else "force": signal},
@@ -138,7 +138,7 @@ def _runs(config: Config) -> tuple[dict[tuple[int, int], Run], list[Signal | Non
         )
         for signal, level in zip(signals, own.levels, strict=True)
     ]
-    fastest = max(excitation.largest_speed(mount, modes, particles, own.duration) for mount in mounts)
+    fastest = max(excitation.largest_speed(host, modes, particles, own.duration) for host in hosts)
     reference = excitation.reference(own, modes)
     numerics = Numerics(config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced())
     drive = Drive(reference, 2 * math.pi * reference * fastest)
@@ -146,10 +146,10 @@ def _runs(config: Config) -> tuple[dict[tuple[int, int], Run], list[Signal | Non
     dt, between = _step(reference, excitation.content(own, signals[0]), longest)
     steps = math.ceil(own.duration / dt)
     runs = {}
-    for i, mount in enumerate(mounts):
+    for i, host in enumerate(hosts):
         for j, seed in enumerate(config.seeds):
             request = Request(base, beds, seed, config.preparation, numerics=numerics)
-            runs[i, j] = Run(request, base.mounted(replace(mount, record=between)), dt, steps)
+            runs[i, j] = Run(request, base.on_host(replace(host, record=between)), dt, steps)
     return runs, signals
 
 

@@ -21,8 +21,8 @@ from ..scene.scene import Scene
 from . import checks as guards
 from .arrays import Transfer
 from .device import DEVICE
+from .hosts import HostStructures
 from .ledger import Ledger
-from .mounts import Mounts
 
 SKIN = 0.2
 """Usual extra reach of the neighbour lists, as a part of the smallest radius."""
@@ -83,7 +83,7 @@ class Batch:
     max_rows : int
         Ledger rows to keep for each case, the one at the start included.
     max_records : int
-        Records to keep of a case whose mount asks for them; see ``Mount.record``.
+        Records to keep of a case whose host asks for them; see ``HostStructure.record``.
     effects : Effects or None
         What the kernels are compiled for.  None: all that the cases call for.
     skin : float
@@ -117,9 +117,9 @@ class Batch:
         counts = [len(case.state) for case in self.cases]
 
         laws: dict[str, list] = {"laws": [], "wall_laws": []}
-        mounts = Mounts()
-        self._constants = wp.array([self._device_case(k, laws, mounts) for k in range(m)], dtype=t.Case, device=device)
-        self._mount = mounts.on_device(t, device)
+        hosts = HostStructures()
+        self._constants = wp.array([self._device_case(k, laws, hosts) for k in range(m)], dtype=t.Case, device=device)
+        self._host = hosts.on_device(t, device)
         self._group = wp.array(np.repeat(np.arange(m, dtype=np.int32), counts), device=device)
         self._particles = self._transfer.particles([c.scene.masses(c.state) for c in self.cases])
         self._contacts = self._transfer.contacts(laws)
@@ -140,10 +140,10 @@ class Batch:
             self._grid = wp.HashGrid(side, side, side, device=device, dtype=self.effects.real)
         self._check_overlaps()
 
-    def _device_case(self, k: int, laws: dict[str, list], mounts: Mounts):
+    def _device_case(self, k: int, laws: dict[str, list], hosts: HostStructures):
         t, case = self._types, self.cases[k]
         scene, state, drive = case.scene, case.state, case.scene.drive
-        moved = drive or scene.mount
+        moved = drive or scene.host
         radius = float(state.radius[0])
         mass = float(scene.masses(state)[0])
         values = {
@@ -157,7 +157,7 @@ class Batch:
             "gravity": t.vec3(*scene.gravity),
             "direction": t.vec3(*(moved.direction if moved else (0.0, 0.0, 1.0))),
             "acceleration": drive.acceleration if drive else 0.0,
-            **mounts.add(scene.mount, case.dt, self._max_records),
+            **hosts.add(scene.host, case.dt, self._max_records),
             "particle_radius": radius,
             "particle_curvature": 1 / radius,
             "particle_mass": float(np.sum(scene.masses(state))),
@@ -265,7 +265,7 @@ class Batch:
             wp.launch(
                 self._advance,
                 len(self.cases),
-                [self._constants, self._particles, self._contacts, self._mount]
+                [self._constants, self._particles, self._contacts, self._host]
                 + [self._target, self._steps, self._shifts, self._cycle_start, self._tallies, self._rows, self._status],
                 device=self._device,
             )
@@ -281,12 +281,12 @@ class Batch:
     def records(self, k: int) -> np.ndarray:
         """Records of case ``k``, (n, 4): time [s], place [m] and acceleration [m/s^2] of the enclosure, reaction [N].
 
-        The reaction is the particles' force on the enclosure along the mount's direction.
+        The reaction is the particles' force on the enclosure along the host's direction.
         """
-        mount, case = self.cases[k].scene.mount, self._constants.numpy()[k]
-        kept = self._mount.records.numpy()[case["first_record"] : case["first_record"] + case["records"]]
-        reached = min(len(kept), 1 + (int(self._steps.numpy()[k]) - 1) // mount.record)
-        time = np.arange(reached) * mount.record * self.cases[k].dt
+        host, case = self.cases[k].scene.host, self._constants.numpy()[k]
+        kept = self._host.records.numpy()[case["first_record"] : case["first_record"] + case["records"]]
+        reached = min(len(kept), 1 + (int(self._steps.numpy()[k]) - 1) // host.record)
+        time = np.arange(reached) * host.record * self.cases[k].dt
         return np.concatenate([time[:, None], kept[:reached]], axis=1)
 
     def checkpoint(self) -> dict[str, np.ndarray]:
@@ -305,9 +305,11 @@ class Batch:
     def _changing(self) -> dict:
         constant = ("laws", "wall_laws", *SCRATCH)
         contacts = {name: getattr(self._contacts, name) for name in self._types.Contacts.vars if name not in constant}
-        mount = {name: getattr(self._mount, name) for name in ("modes", "records") if name in self._types.Mount.vars}
+        host = {
+            name: getattr(self._host, name) for name in ("modes", "records") if name in self._types.HostStructure.vars
+        }
         return contacts | {
-            **mount,
+            **host,
             "particles": self._particles,
             "steps": self._steps,
             "shifts": self._shifts,
@@ -327,9 +329,9 @@ class Batch:
         copy_p, copy_c = wp.clone(p), t.Contacts()
         for name in t.Contacts.vars:
             setattr(copy_c, name, wp.clone(getattr(c, name)) if name in ("pair", "wall") else getattr(c, name))
-        copy_m = t.Mount()
-        for name in t.Mount.vars:
-            value = getattr(self._mount, name)
+        copy_m = t.HostStructure()
+        for name in t.HostStructure.vars:
+            value = getattr(self._host, name)
             setattr(copy_m, name, value if name == "count" else wp.clone(value))
         tallies = wp.clone(self._tallies)
         wp.launch(

@@ -116,7 +116,7 @@ def expected_speed(scene: Scene, radius) -> float:
     float
         [m/s].
     """
-    driven = 2 * scene.drive.speed if scene.drive else 2 * scene.mount.speed if scene.mount else 0.0
+    driven = 2 * scene.drive.speed if scene.drive else 2 * scene.host.speed if scene.host else 0.0
     if scene.enclosure is None:
         return driven
     fill = np.sum(sphere_volume(radius)) / scene.enclosure.volume

@@ -89,7 +89,7 @@ def _indicators(scene: Scene, _grains) -> bool:
 
 
 def _structure(scene: Scene, _grains) -> bool:
-    return scene.mount is not None
+    return scene.host is not None
 
 
 def _always(_scene: Scene, _grains) -> bool:

@@ -43,20 +43,20 @@ class Signal:
 
 @dataclass(frozen=True, eq=False)
 class Force(Signal):
-    """Applied to the structure at the damper, along the mount's direction [N]."""
+    """Applied to the structure at the damper, along the host's direction [N]."""
 
     name = "force"
 
 
 @dataclass(frozen=True, eq=False)
 class BaseMotion(Signal):
-    """Acceleration of the base that holds the structure, along the mount's direction [m/s^2]."""
+    """Acceleration of the base that holds the structure, along the host's direction [m/s^2]."""
 
     name = "base motion"
 
 
 @dataclass(frozen=True)
-class Mount:
+class HostStructure:
     """Structure that the enclosure is fixed to: its modes without the particles, and its initial state.
 
     Parameters
@@ -104,13 +104,15 @@ class Mount:
             if not getattr(self, name):
                 object.__setattr__(self, name, (0.0,) * n)
         if n == 0 or any(len(getattr(self, name)) != n for name in ("damping", "amplitude", "position", "velocity")):
-            raise ValueError("a mount needs a damping, an amplitude, a position and a velocity for each frequency")
+            raise ValueError(
+                "a host structure needs a damping, an amplitude, a position and a velocity for each frequency"
+            )
         if min(self.frequency) <= 0 or abs(math.hypot(*self.direction) - 1) > 1e-9:
-            raise ValueError("a mount needs positive frequencies and a direction of length 1")
+            raise ValueError("a host structure needs positive frequencies and a direction of length 1")
         if self.force and self.base:
-            raise ValueError("a mount is moved by a force or by its base, not by both")
+            raise ValueError("a host structure is moved by a force or by its base, not by both")
         if self.base and len(self.participation) != n:
-            raise ValueError("a mount on a base that moves needs a participation for each frequency")
+            raise ValueError("a host structure on a base that moves needs a participation for each frequency")
 
     @property
     def excitation(self) -> Signal | None:

@@ -1,4 +1,4 @@
-"""Nouns of a simulation: materials, surfaces, cavity, drive, mount, scene.  SI units throughout."""
+"""Nouns of a simulation: materials, surfaces, cavity, drive, host, scene.  SI units throughout."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .host import Mount
+from .host import HostStructure
 from .particles import sphere_volume
 
 STANDARD_GRAVITY = 9.81
@@ -173,13 +173,13 @@ class Scene:
         [m/s^2].
     drive : Drive or None
         Motion prescribed to the enclosure.
-    mount : Mount or None
+    host : HostStructure or None
         Instead of a drive: the structure that the enclosure is fixed to, and that answers the particles.
 
     Raises
     ------
     ValueError
-        If there is a drive and a mount, or the surfaces of a mixture are not one for each pair, the same both ways.
+        If there is a drive and a host structure, or the surfaces of a mixture are not one for each pair, the same both ways.
 
     Examples
     --------
@@ -199,12 +199,14 @@ class Scene:
     enclosure: Cylinder | None
     gravity: tuple[float, float, float] = (0.0, 0.0, -STANDARD_GRAVITY)
     drive: Drive | None = None
-    mount: Mount | None = None
+    host: HostStructure | None = None
 
     def __post_init__(self):
         n = len(self.materials)
-        if self.drive and self.mount:
-            raise ValueError("the motion of an enclosure is prescribed by a drive or follows from a mount, not both")
+        if self.drive and self.host:
+            raise ValueError(
+                "the motion of an enclosure is prescribed by a drive or follows from a host structure, not both"
+            )
         if not isinstance(self.particle_contact, Surface):
             rows = self.particle_contact
             if [len(row) for row in rows] != [n] * n or any(
@@ -254,7 +256,7 @@ class Scene:
         return pairs + ([self.wall_surface(i) for i in species] if self.enclosure else [])
 
     def driven(self, drive: Drive | None) -> Scene:
-        """Scene with another drive, and without a mount.
+        """Scene with another drive, and without a host structure.
 
         Parameters
         ----------
@@ -264,20 +266,20 @@ class Scene:
         -------
         Scene
         """
-        return replace(self, drive=drive, mount=None)
+        return replace(self, drive=drive, host=None)
 
-    def mounted(self, mount: Mount) -> Scene:
-        """Scene with another mount, and without a drive.
+    def on_host(self, host: HostStructure) -> Scene:
+        """Scene with another host, and without a drive.
 
         Parameters
         ----------
-        mount : Mount
+        host : HostStructure
 
         Returns
         -------
         Scene
         """
-        return replace(self, drive=None, mount=mount)
+        return replace(self, drive=None, host=host)
 
     def softened(self, factor: float) -> Scene:
         """Scene with every Young's modulus multiplied by ``factor``."""
@@ -296,7 +298,7 @@ class Scene:
         """Frequency of the drive, or of what moves the structure [Hz]; None if nothing is periodic."""
         if self.drive:
             return self.drive.frequency
-        return self.mount.excitation.frequency if self.mount and self.mount.excitation else None
+        return self.host.excitation.frequency if self.host and self.host.excitation else None
 
     def mass(self, radius, species=0) -> np.ndarray:
         """Mass of spheres of the given radii and species [kg].
