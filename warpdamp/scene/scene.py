@@ -179,7 +179,7 @@ class Scene:
     Raises
     ------
     ValueError
-        If there is a drive and a host structure, or the surfaces of a mixture are not one for each pair, the same both ways.
+        If there is a drive and a host structure, or a mixture's surfaces are not one for each pair, the same both ways.
 
     Examples
     --------
