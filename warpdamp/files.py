@@ -86,6 +86,11 @@ def locked(path: Path, *, shared: bool = False, wait: bool = False) -> Iterator[
         lock.close()
 
 
+def cache_path(kind: str) -> Path:
+    """Path of a folder of the cache: in ``$WARPDAMP_CACHE``, or in the user's cache folder."""
+    return Path(os.environ.get("WARPDAMP_CACHE") or platformdirs.user_cache_path("warpdamp")) / kind
+
+
 def cache_folder(kind: str) -> Path:
     """Folder of files that can be made again: in ``$WARPDAMP_CACHE``, or in the user's cache folder.
 
@@ -99,7 +104,7 @@ def cache_folder(kind: str) -> Path:
     StoreError
         If the folder cannot be written; names the variable that moves it.
     """
-    folder = Path(os.environ.get("WARPDAMP_CACHE") or platformdirs.user_cache_path("warpdamp")) / kind
+    folder = cache_path(kind)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         usable = os.access(folder, os.W_OK | os.X_OK)

@@ -26,7 +26,8 @@ from pathlib import Path
 from shared import DOCS, ROOT, head, machine, panels, table, write_document
 
 from warpdamp.scene.effects import Effects
-from warpdamp.study.cost import SIMPLEST, TOGGLES, frozen, jammed_bed, moving, remember, within, without
+from warpdamp.study.cost import SIMPLEST, frozen, jammed_bed, moving
+from warpdamp.study.speeds import TOGGLES, remember, within, without
 
 FULL = Effects()
 EXTRAS = tuple(name for name in TOGGLES if not getattr(FULL, name))
@@ -110,8 +111,8 @@ def main() -> None:
     sets = {name: without(FULL, name) for name in names} | {name: within(FULL, name) for name in EXTRAS}
     every = [FULL, SIMPLEST, *sets.values()]
     still, shaken = frozen(every), moving(every)
-    remember(frozen, still)
-    remember(moving, shaken)
+    remember("frozen", still)
+    remember("moving", shaken)
     bare = {
         name: against_deleted(without(FULL, name)) for name in ("friction", "rotation", "dashpots", "rolling", "lid")
     }

@@ -85,7 +85,7 @@ def test_every_effect_can_be_told_off_and_on():
     """The table of effects is what the fields, the toggles and the timings are made of."""
     from warpdamp.config.damper import EffectsConfig
     from warpdamp.scene.effects import EFFECTS, FORCIBLE
-    from warpdamp.study.cost import TOGGLES, without
+    from warpdamp.study.speeds import TOGGLES, without
 
     assert [f.name for f in dataclasses.fields(Effects)] == [*EFFECTS, "precision"]
     assert [*EffectsConfig.model_fields] == [*(name for name in FORCIBLE if name != "channels"), "ledger"]

@@ -8,7 +8,7 @@ import pytest
 import warpdamp
 from warpdamp import Batch, Case, ConfigError, Effects, State, load
 from warpdamp.config.build import grains, scene
-from warpdamp.engine.arrays import particle_bytes
+from warpdamp.engine.memory import particle_bytes
 from warpdamp.study.explain import effects_of, explain
 from warpdamp.sweep.cases import Cases
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 import warp as wp
 
-from ..kernels.structs import PER_PAIR, PER_PARTICLE, WALLS
+from ..kernels.structs import WALLS
 from ..scene.particles import ContactHistory, State, inverse_sphere_inertia
 from .device import DEVICE
 
@@ -33,22 +33,6 @@ def numbering(position: np.ndarray) -> np.ndarray:
     spacing = float(np.prod(width) / len(position)) ** (1 / 3) or 1.0
     cell = ((position - low) / spacing).astype(np.int64)
     return np.lexsort((cell[:, 0], cell[:, 1], cell[:, 2])).astype(np.int32)
-
-
-def particle_bytes(types, pairs: float) -> float:
-    """Memory of a particle on the device with ``pairs`` listed pairs [bytes].
-
-    Parameters
-    ----------
-    types : structs of the device, see ``kernels.structs.types``
-    pairs : listed pairs over particles
-    """
-    size = {name: wp.types.type_size_in_bytes(array.type.dtype) for name, array in types.Contacts.vars.items()}
-    contacts = sum(count * size.get(name, 0) for name, count in PER_PARTICLE.items())
-    lists = pairs * sum(size.get(name, 0) for name in PER_PAIR)
-    numbers = 2 * wp.types.type_size_in_bytes(wp.int32)  # of its case, and of its partners
-    start = wp.types.type_size_in_bytes(types.vec3) if "displacement" in types.columns else 0
-    return types.Particle.numpy_dtype()["itemsize"] + contacts + lists + numbers + start
 
 
 class Transfer:

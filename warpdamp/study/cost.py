@@ -2,49 +2,25 @@
 
 from __future__ import annotations
 
-import json
-import os
-import platform
-import statistics
 import time
-from collections.abc import Callable
-from dataclasses import asdict, replace
-from pathlib import Path
 
 from ..damper.case import Request
 from ..damper.preparation import prepare
 from ..engine.batch import Batch, Case
-from ..files import cache_folder, whole_file
-from ..scene.effects import EFFECTS, Effects
+from ..scene.effects import Effects
 from ..scene.paper import COUNT, FREQUENCY, RADIUS, STEPS_PER_CYCLE, damper
 from ..scene.particles import Grains, State
 from ..scene.scene import Scene
 from ..sweep.cases import Cases
 from ..sweep.plan import make_plan
-from ..version import PHYSICS_VERSION
+from .speeds import TOGGLES, remember, without
 
 STILL = 1e-18
 """A step [s] so short that contacts stay as they are."""
 
-TOGGLES: dict[str, dict] = {
-    name: {other: False for other, effect in EFFECTS.items() if name in (other, *effect.needs, *effect.idle_without)}
-    for name in EFFECTS
-    if name != "structure"  # the beds that are timed are fixed to nothing
-} | {"precision": {"precision": "float32"}}
-"""Changes to the effects when one of them is off (precision: float32 instead of float64)."""
 
 SIMPLEST = Effects(friction=False, rotation=False, dashpots=False, gravity=False, channels=False, indicators=False)
 """The simplest law in a closed cavity: frictionless, elastic, no gravity, losses in total, nothing else recorded."""
-
-
-def without(effects: Effects, name: str) -> Effects:
-    """Effects with one of them off."""
-    return replace(effects, **TOGGLES[name])
-
-
-def within(effects: Effects, name: str) -> Effects:
-    """Effects with one of them on."""
-    return replace(effects, **dict.fromkeys(TOGGLES[name], True))
 
 
 def jammed_bed() -> tuple[Scene, State]:
@@ -86,42 +62,8 @@ def _alternating(sets, batches, rounds: int, steps: int) -> dict[Effects, list[f
     return spent
 
 
-def _file() -> Path:
-    return cache_folder("speeds") / "speed.json"
-
-
-def _machine() -> str:
-    return f"{platform.node()} {platform.machine()} {os.cpu_count()} physics {PHYSICS_VERSION}"
-
-
-def remember(measured: Callable, spent: dict[Effects, list[float]]) -> None:
-    """Store the medians of what was ``measured``, ``frozen`` or ``moving``, for ``explain``."""
-    times_by_key = _stored() | {_key(measured, effects): statistics.median(times) for effects, times in spent.items()}
-    path = _file()
-    record = {"machine": _machine(), "date": f"{time.strftime('%Y-%m-%d')}", "nanoseconds": times_by_key}
-    with whole_file(path) as part:
-        part.write_text(json.dumps(record))
-
-
-def recall(measured: Callable, effects: Effects) -> float | None:
-    """Time per particle-step as last ``measured`` on this machine [ns]; None if never."""
-    return _stored().get(_key(measured, effects))
-
-
-def _key(measured: Callable, effects: Effects) -> str:
-    return " ".join([measured.__name__, *(f"{name}={value}" for name, value in asdict(effects).items())])
-
-
-def _stored() -> dict[str, float]:
-    try:
-        stored = json.loads(_file().read_text())
-    except (FileNotFoundError, json.JSONDecodeError):
-        return {}
-    return stored["nanoseconds"] if stored["machine"] == _machine() else {}
-
-
 def measure_study(config) -> None:
     """Measure the cost of a study's cases, and of each of their effects."""
     sets = {effects for effects, _ in make_plan(Cases(config)).groups}
-    remember(moving, moving(list(sets)))
-    remember(frozen, frozen(list(sets | {without(effects, name) for effects in sets for name in TOGGLES})))
+    remember("moving", moving(list(sets)))
+    remember("frozen", frozen(list(sets | {without(effects, name) for effects in sets for name in TOGGLES})))

@@ -63,7 +63,7 @@ class Explanation:
 
 def effects_of(config: Config, spec: Spec) -> list[Explanation]:
     """Explanations of all effects of a case."""
-    from .cost import TOGGLES, frozen, recall, without
+    from .speeds import TOGGLES, recall, without
 
     effects = spec.effects
     called = called_for(spec.scene, spec.bed.grains, precision=effects.precision)
@@ -74,8 +74,8 @@ def effects_of(config: Config, spec: Spec) -> list[Explanation]:
         why = _why(config, name, on)
         if name in forced and on != getattr(called, name):
             why = f"forced {'on' if on else 'off'}, though the scene {'calls' if not on else 'does not call'} for it"
-        full = recall(frozen, effects)
-        less = recall(frozen, without(effects, name)) if name in TOGGLES else None
+        full = recall("frozen", effects)
+        less = recall("frozen", without(effects, name)) if name in TOGGLES else None
         cost = full - less if on and full is not None and less is not None else None
         explained.append(Explanation(name, on, why, cost))
     return explained
@@ -195,14 +195,14 @@ def _cases(plan: Plan, numbers):
 
 
 def _price(plan: Plan, numbers, workers):
-    from .cost import moving, recall
+    from .speeds import recall
 
     cost, group = plan.cost[numbers], plan.group[numbers]
     first = np.isin(numbers, needed_cases(plan, Finished()))
     longer = np.array([criteria.most / criteria.fewest for _, criteria in plan.groups])
     least, most = cost[first].sum(), (cost * longer[group]).sum()
     yield f"  at least {least:.3g} particle-steps, at most {most:.3g} if no case becomes steady; beds are extra"
-    rates = [recall(moving, effects) for effects, _ in plan.groups]
+    rates = [recall("moving", effects) for effects, _ in plan.groups]
     if None in rates:
         yield "  this machine's speed is not measured yet: warpdamp explain --measure takes about a minute"
     else:
@@ -220,7 +220,7 @@ def _price(plan: Plan, numbers, workers):
 
 def case_bytes(effects: Effects, particles: int, rows: int) -> float:
     """Memory of a case on the device, with ``rows`` ledger rows [bytes]."""
-    from ..engine.arrays import particle_bytes
+    from ..engine.memory import particle_bytes
     from ..kernels.structs import types
 
     t = types(effects)
