@@ -164,7 +164,7 @@ def wall_contacts(effects, count: int):
         stored = wp.vec3d()
         touch = wall_touch(case, p, i, wall, x)
         if touch.overlap > real(0.0):
-            stored[0] = wp.float64(elastic_energy(law_of(case, p, c, i), touch.radius, touch.overlap))
+            stored[0] = wp.float64(elastic_energy(law_of(case, p, c, i), touch))
         if wp.static(effects.history):
             tangential, rolling = remembered_energy(law_of(case, p, c, i), c.wall[WALLS * i + wall])
             stored[1] = wp.float64(tangential)
