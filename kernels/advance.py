@@ -60,10 +60,10 @@ def stepper(effects, count: int):
         reaction = vec3()
         wall_losses = Losses()
         if wp.static(effects.enclosure):
-            reaction, wall_losses, wall_largest, on_floor, on_lid = wall_forces(case, p, c, h, since)
+            reaction, wall_losses, wall_largest, pressed = wall_forces(case, p, c, h, since)
             largest = wp.max(largest, wall_largest)
             if wp.static(effects.indicators):
-                row = add_impulses(row, on_floor, on_lid, h)
+                row = add_impulses(row, pressed, h)
         cosine, sine = enclosure_phase(case, step)
         row = tally(case, row, pair_losses, wall_losses, largest, reaction, cosine, sine, h)
         if wp.static(effects.structure):

@@ -11,11 +11,14 @@ LOSSES = ("normal_dashpot", "tangential_dashpot", "slip", "history", "rolling")
 PLACES = ("particle", "wall")
 """Where contacts are: between particles or at the walls."""
 
-CHANNELS = tuple(f"{place}_{name}" for place in PLACES for name in LOSSES)
-"""Columns of losses: by place and by each of ``LOSSES``."""
+CHANNELS = {f"{place}_{name}": f"{place} {name.replace('_', ' ')}" for place in PLACES for name in LOSSES}
+"""Columns of losses, and what each holds: by place and by each of ``LOSSES``."""
 
-TOTALS = tuple(f"{place}_total" for place in PLACES)
+TOTALS = {f"{place}_total": f"{place} contacts, all channels" for place in PLACES}
 """The same where the ledger keeps no channels."""
+
+EVERY_LOSS = CHANNELS | TOTALS
+"""Every column of losses that a ledger may have."""
 
 STORES = (
     "kinetic_translation",
@@ -26,9 +29,12 @@ STORES = (
     "elastic_rolling",
 )
 
-INDICATORS = ("floor_impulse", "lid_impulse", "displacement")
-"""Indicators of the regime of motion: normal impulses on floor and lid [N s], and the particles' root mean square
-displacement over the last cycle, less the common one [m].  The last is of the moment."""
+IMPULSES = ("floor_impulse", "lid_impulse")
+"""Normal impulses on walls [N s]."""
+
+INDICATORS = (*IMPULSES, "displacement")
+"""Indicators of the regime of motion: ``IMPULSES``, and the particles' root mean square displacement over the last
+cycle, less the common one [m].  The last is of the moment."""
 
 STRUCTURE = ("force_work", "structure_loss", "structure_energy", "frame_energy")
 """With a structure: work of the force on it, its losses, its energy, and what the particles' kinetic and gravitational
@@ -61,7 +67,7 @@ def losses(effects) -> tuple[str, ...]:
 
 def loss_columns(effects) -> tuple[str, ...]:
     """Names of the columns of losses: first those between particles, then as many at the walls."""
-    return CHANNELS if effects.channels else TOTALS
+    return tuple(CHANNELS if effects.channels else TOTALS)
 
 
 def columns(effects) -> tuple[str, ...]:

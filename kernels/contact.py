@@ -49,7 +49,7 @@ def contact_law(effects):
     """Return ``contact``, ``parted``, ``elastic_energy`` and ``remembered_energy`` for the given effects."""
     t = types(effects)
     real, vec3, Losses = t.real, t.vec3, t.Losses
-    Law, Motion, History = t.Law, t.Motion, t.History
+    Law, Touch, Motion, History = t.Law, t.Touch, t.Motion, t.History
     at_least, at_most = bounds(real).at_least, bounds(real).at_most
 
     @wp.func
@@ -234,8 +234,8 @@ def contact_law(effects):
         return losses(real(0.0), vec3(real(0.0), real(0.0), tangential), vec3(rolling, real(0.0), real(0.0)))
 
     @wp.func
-    def elastic_energy(law: Law, radius: real, overlap: real):
+    def elastic_energy(law: Law, touch: Touch):
         """Energy of the Hertz spring, 2/5 Fn d = 8/15 E* a d^2 [J]."""
-        return real(8.0 / 15.0) * law.modulus * wp.sqrt(radius * overlap) * overlap * overlap
+        return real(8.0 / 15.0) * law.modulus * wp.sqrt(touch.radius * touch.overlap) * touch.overlap * touch.overlap
 
     return contact, parted, elastic_energy, remembered_energy

@@ -24,7 +24,7 @@ def wall_contacts(effects, count: int):
     """
     t = types(effects)
     real, vec3 = t.real, t.vec3
-    Losses, History = t.Losses, t.History
+    Losses, History, Impulses = t.Losses, t.History, t.Impulses
     Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     contact, parted, elastic_energy, remembered_energy = contact_law(effects)
     law_of = particles(effects).wall_law
@@ -102,17 +102,21 @@ def wall_contacts(effects, count: int):
             c.wall[place] = history
 
     @wp.func
+    def pressing(wall: int, f: vec3):
+        """Normal forces on the walls of ``columns.IMPULSES`` of which ``wall`` does ``f`` to a particle [N]."""
+        return Impulses(wp.where(wall == FLOOR, f[2], real(0.0)), wp.where(wall == LID, -f[2], real(0.0)))
+
+    @wp.func
     def wall_forces(case: Case, p: wp.array(dtype=Particle), c: Contacts, h: real, since: real):
         """Add all wall forces and torques of a case.
 
         The step stands for ``h`` seconds, and comes ``since`` seconds after the last one.  Returns the force on the
-        enclosure [N], the losses [J], the largest overlap over R, and the normal forces on floor and lid [N].
+        enclosure [N], the losses [J], the largest overlap over R, and the normal forces on walls [N].
         """
         reaction = vec3()
         losses = Losses()
         largest = real(0.0)
-        on_floor = real(0.0)
-        on_lid = real(0.0)
+        pressed = Impulses()
         forces, torques, stretches, rolls = Vectors(), Vectors(), Vectors(), Vectors()
         radii, depths, lost = Scalars(), Scalars(), Lost()
         first, last = touching_walls(case, p, c)
@@ -146,15 +150,13 @@ def wall_contacts(effects, count: int):
                 f = forces[lane]
                 add_wall(p, c, place, f, torques[lane], history)
                 reaction -= f
-                wall = place - WALLS * (place / WALLS)
-                on_floor += wp.where(wall == FLOOR, f[2], real(0.0))
-                on_lid -= wp.where(wall == LID, f[2], real(0.0))
+                pressed += pressing(place - WALLS * (place / WALLS), f)
                 for channel in range(LOSSES):
                     losses[channel] += lost[channel, lane]
                 largest = at_least(largest, depths[lane])
                 lane += 1
             m += LANES
-        return reaction, losses, largest, on_floor, on_lid
+        return reaction, losses, largest, pressed
 
     @wp.func
     def single_energy(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, x: vec3):
@@ -162,7 +164,7 @@ def wall_contacts(effects, count: int):
         stored = wp.vec3d()
         touch = wall_touch(case, p, i, wall, x)
         if touch.overlap > real(0.0):
-            stored[0] = wp.float64(elastic_energy(law_of(case, p, c, i), touch.radius, touch.overlap))
+            stored[0] = wp.float64(elastic_energy(law_of(case, p, c, i), touch))
         if wp.static(effects.history):
             tangential, rolling = remembered_energy(law_of(case, p, c, i), c.wall[WALLS * i + wall])
             stored[1] = wp.float64(tangential)

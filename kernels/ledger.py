@@ -14,7 +14,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from .columns import PLACES, columns, losses
+from .columns import IMPULSES, PLACES, columns, losses
 from .cylinder import wall_contacts
 from .pairs import pair_contacts
 from .particles import particles
@@ -29,12 +29,14 @@ def ledger(effects, count: int):
     ``count`` is that of contacts side by side, so that the functions are those of the forces.
     """
     t = types(effects)
-    real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
+    real, vec3, Losses, Row, Impulses = t.real, t.vec3, t.Losses, t.Row, t.Impulses
     Case, Particle, Contacts, HostStructure = t.Case, t.Particle, t.Contacts, t.HostStructure
     modal_energy = structure(effects).modal_energy
     Column = IntEnum("Column", columns(effects), start=0)
     LOSSES = wp.constant(len(losses(effects)))
     PARTICLE_LOSSES, WALL_LOSSES = (wp.constant(int(Column[f"{place}_{losses(effects)[0]}"])) for place in PLACES)
+    IMPULSE = wp.constant(int(Column[IMPULSES[0]]) if effects.indicators else 0)
+    WALLS_PRESSED = wp.constant(len(IMPULSES))
     _, _, pair_energy = pair_contacts(effects, count)
     _, wall_energy, _ = wall_contacts(effects, count)
     g = particles(effects)
@@ -63,10 +65,10 @@ def ledger(effects, count: int):
         return row
 
     @wp.func
-    def add_impulses(row: Row, on_floor: real, on_lid: real, h: real):
-        """Add the normal impulses on floor and lid."""
-        row[Column.floor_impulse] += wp.float64(on_floor * h)
-        row[Column.lid_impulse] += wp.float64(on_lid * h)
+    def add_impulses(row: Row, pressed: Impulses, h: real):
+        """Add the impulses of the normal forces on walls."""
+        for k in range(WALLS_PRESSED):
+            row[IMPULSE + k] += wp.float64(pressed[k] * h)
         return row
 
     @wp.func

@@ -11,6 +11,7 @@ import warp as wp
 
 from .options import UNIQUE
 from .particles import particles
+from .spheres import spheres
 from .structs import types
 
 NO_GRID = wp.constant(wp.uint64(0))
@@ -24,12 +25,11 @@ def neighbour_search(effects):
     real, vec3 = t.real, t.vec3
     Case, Particle, History, Contacts = t.Case, t.Particle, t.History, t.Contacts
     radius_of = particles(effects).radius_of
+    pair_within = spheres(effects).pair_within
 
     @wp.func
     def near(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
-        branch = p[i].position - p[j].position
-        reach = radius_of(case, p, i) + radius_of(case, p, j) + case.skin
-        return j > i and wp.dot(branch, branch) < reach * reach
+        return j > i and pair_within(case, p, i, j, case.skin)
 
     @wp.func
     def is_waiting(n: int, steps: wp.array(dtype=wp.int64), target: wp.array(dtype=wp.int64)):

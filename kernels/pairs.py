@@ -173,7 +173,7 @@ def pair_contacts(effects, count: int):
                 j = c.partner[k]
                 touch = pair_touch(case, p, i, j, x - p[j].position + offset * p[j].half_velocity)
                 if touch.overlap > real(0.0):
-                    stored[0] += wp.float64(elastic_energy(law_of(case, p, c, i, j), touch.radius, touch.overlap))
+                    stored[0] += wp.float64(elastic_energy(law_of(case, p, c, i, j), touch))
                 if wp.static(effects.history):
                     tangential, rolling = remembered_energy(law_of(case, p, c, i, j), c.pair[k])
                     stored[1] += wp.float64(tangential)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import warp as wp
 
-from .columns import columns, losses
+from .columns import IMPULSES, columns, losses
 
 SIDE, FLOOR, LID = wp.constant(0), wp.constant(1), wp.constant(2)
 WALLS = wp.constant(3)
@@ -31,7 +31,8 @@ def types(effects):
     shared = structs(effects.in_memory)
     lost = wp.types.vector(len(losses(effects)), wp.float64)
     row = wp.types.vector(len(columns(effects)), wp.float64)
-    return SimpleNamespace(**vars(shared), Losses=lost, Row=row, columns=columns(effects))
+    impulses = wp.types.vector(len(IMPULSES), effects.real)
+    return SimpleNamespace(**vars(shared), Losses=lost, Row=row, Impulses=impulses, columns=columns(effects))
 
 
 @functools.cache

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .kernels.columns import CHANNELS, TOTALS
+from .kernels.columns import EVERY_LOSS
 from .status import Status
 
 if TYPE_CHECKING:
@@ -32,8 +32,7 @@ VARIABLES = {
     "within_tolerance": ("1", "whether the mean's standard error is within accuracy.tolerance (1) or not (0)"),
     "effectiveness": ("1", "energy dissipated per cycle over that of the ideal impact damper (eqs 4, 5)"),
     "effectiveness_standard_error": ("1", "standard error of the average over cycles of the effectiveness"),
-    **{f"{name}_loss": ("J", f"energy lost per cycle: {name.replace('_', ' ')}") for name in CHANNELS},
-    **{f"{name}_loss": ("J", f"energy lost per cycle: {name.split('_')[0]} contacts, all channels") for name in TOTALS},
+    **{f"{name}_loss": ("J", f"energy lost per cycle: {what}") for name, what in EVERY_LOSS.items()},
     "work_input": ("J", "work per cycle of the enclosure on the particles"),
     "harmonic_work": ("J", "work per cycle by the first harmonic of the reaction, -pi X Im(F1)"),
     "ledger_residual": ("1", "energy not accounted for, over the energy dissipated"),

@@ -20,7 +20,8 @@ from warpdamp.damper.preparation import (
     shaking,
 )
 from warpdamp.files import cache_folder
-from warpdamp.numerics.timestep import Numerics, expected_speed, impact_overlap
+from warpdamp.numerics.timestep import Numerics, expected_speed
+from warpdamp.scene.contact import impact_overlap
 from warpdamp.scene.paper import RADIUS
 
 PAPER = Grains.alike(RADIUS, 120)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from warpdamp import Simulation, State
-from warpdamp.numerics.timestep import contact_time
-from warpdamp.scene.contact import contact_constants
+from warpdamp.scene.contact import contact_constants, contact_time
 from warpdamp.scene.paper import RADIUS
 
 

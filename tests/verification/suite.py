@@ -12,8 +12,7 @@ import numpy as np
 
 from warpdamp import Batch, Case, Cylinder, Drive, Material, Scene, Simulation, State, Surface
 from warpdamp.engine.ledger import maximum_energy
-from warpdamp.numerics.timestep import contact_time
-from warpdamp.scene.contact import contact_constants
+from warpdamp.scene.contact import contact_constants, contact_time
 from warpdamp.scene.paper import PMMA, RADIUS
 
 

@@ -52,7 +52,7 @@ def scene(config: Config) -> Scene:
         wall=material(config, cavity.material),
         particle_contact=pairs[0][0] if alone else pairs,
         wall_contact=walls[0] if alone else walls,
-        enclosure=Cylinder(cavity.diameter, cavity.height, cavity.side, cavity.floor, cavity.lid),
+        enclosure=Cylinder(**cavity.model_dump(exclude={"material"})),
         gravity=tuple(config.excitation.gravity * part for part in config.excitation.gravity_direction),
     )
 

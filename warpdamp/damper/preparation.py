@@ -44,7 +44,8 @@ from ..engine.ledger import Ledger
 from ..errors import PackingError
 from ..files import cache_folder, keep, locked
 from ..kernels.columns import KernelStatus
-from ..numerics.timestep import Numerics, contact_step, expected_speed, impact_overlap, steps_per_cycle
+from ..numerics.timestep import Numerics, contact_step, expected_speed, steps_per_cycle
+from ..scene.contact import softening
 from ..scene.effects import Effects
 from ..scene.particles import State
 from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Scene, Surface
@@ -337,7 +338,7 @@ def shaking(scene: Scene, radius, amplitude: float, gamma: float = SHAKING_GAMMA
 def _soft(scene: Scene, state: State) -> Scene:
     """The scene with moduli so low that the fastest impact of compaction overlaps by ``SOFT_OVERLAP``; never higher."""
     speed = expected_speed(scene.driven(shaking(scene, state.radius, SHAKING_AMPLITUDE)), state.radius)
-    return scene.softened(min(1.0, (impact_overlap(scene, speed) / SOFT_OVERLAP) ** 2.5))
+    return scene.softened(softening(scene, speed, SOFT_OVERLAP))
 
 
 def _coarse(numerics: Numerics) -> Numerics:

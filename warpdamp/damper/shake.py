@@ -13,7 +13,7 @@ from ..engine.batch import Batch, Case
 from ..engine.checks import DEEPEST, LARGEST_RESIDUAL
 from ..engine.ledger import Ledger, apparent_mass, harmonic_work, maximum_energy
 from ..errors import PackingError
-from ..kernels.columns import KernelStatus
+from ..kernels.columns import IMPULSES, KernelStatus
 from ..numerics.steady import Steady, steady
 from ..numerics.tolerance import RESIDUAL_FACTOR, SMALLEST_EFFECTIVENESS, bed_memory, single_interval
 from ..scene.effects import Effects
@@ -198,7 +198,7 @@ def _indicators(window: Ledger, drive: Drive) -> dict:
     cycles = len(window.rows) - 1
     axial = abs(drive.direction[2]) > 1 - 1e-9
     return {
-        **{name: window.change(name) / cycles if axial else math.nan for name in ("floor_impulse", "lid_impulse")},
+        **{name: window.change(name) / cycles if axial else math.nan for name in IMPULSES},
         "cycle_displacement": float(np.mean(window["displacement"][1:])),
     }
 

@@ -165,7 +165,7 @@ class Batch:
             "inverse_inertia": inverse_sphere_inertia(mass, radius),
         }
         if scene.enclosure:
-            values |= {"radius": scene.enclosure.diameter / 2, "height": scene.enclosure.height}
+            values |= vars(scene.enclosure) | {"radius": scene.enclosure.diameter / 2}
         values |= self._device_laws(scene, laws)
         device = t.Case()
         for name in t.Case.vars:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene.contact import contact_constants, dashpot
+from ..scene.contact import impact_time, strongest_dashpot
 from ..scene.effects import Effects, Precision, called_for
 from ..scene.particles import State, sphere_volume
 from ..scene.scene import Scene
@@ -24,9 +24,6 @@ velocities, and with fewer a bed of restitution 0.2 and below gains energy from 
 
 FEWEST_STEPS_PER_CYCLE = 50
 """Fewest steps to a cycle, so that the drive's motion is followed to 0.1 %."""
-
-HERTZ_DURATION = 2.943275
-"""tc v / d_max of an elastic Hertz contact, (4/5) sqrt(pi) Gamma(2/5) / Gamma(9/10)."""
 
 
 @dataclass(frozen=True)
@@ -47,56 +44,6 @@ class Numerics:
     def effects(self, scene: Scene, grains) -> Effects:
         """Effects that the scene requires, with those that are forced."""
         return called_for(scene, grains, precision=self.precision).forced(dict(self.forced))
-
-
-def largest_overlap(modulus: float, radius: float, mass: float, speed: float) -> float:
-    """Largest overlap of an elastic Hertz impact, d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5) [m].
-
-    Parameters
-    ----------
-    modulus, radius, mass : float
-        E* [Pa], R* [m], m* [kg] of the pair.
-    speed : float
-        v [m/s].
-
-    Returns
-    -------
-    float
-        [m].
-    """
-    return (15 * mass * speed**2 / (16 * modulus * math.sqrt(radius))) ** 0.4
-
-
-def impact_overlap(scene: Scene, speed: float) -> float:
-    """Largest overlap of two equal spheres of any materials that meet at ``speed`` [m/s], over their reduced radius.
-
-    It does not depend on their size.
-    """
-    overlaps = []
-    for i, one in enumerate(scene.materials):
-        for j, other in enumerate(scene.materials):
-            modulus = contact_constants(one, other, scene.pair_surface(i, j))["modulus"]
-            a, b = float(scene.mass(2.0, i)), float(scene.mass(2.0, j))  # reduced radius 1
-            overlaps.append(largest_overlap(modulus, 1.0, a * b / (a + b), speed))
-    return max(overlaps)
-
-
-def contact_time(modulus: float, radius: float, mass: float, speed: float) -> float:
-    """Duration of an elastic Hertz impact, tc = 2.943 d_max / v with d_max the ``largest_overlap`` [s].
-
-    Parameters
-    ----------
-    modulus, radius, mass : float
-        E* [Pa], R* [m], m* [kg] of the pair.
-    speed : float
-        v [m/s].
-
-    Returns
-    -------
-    float
-        [s].
-    """
-    return HERTZ_DURATION * largest_overlap(modulus, radius, mass, speed) / speed
 
 
 def expected_speed(scene: Scene, radius) -> float:
@@ -145,12 +92,11 @@ def shortest_contact(scene: Scene, grains, speed: float) -> float:
     for i, a in smallest.items():
         material, mass = scene.materials[i], float(scene.mass(a, i))
         for j, b in smallest.items():
-            modulus = contact_constants(material, scene.materials[j], scene.pair_surface(i, j))["modulus"]
-            other_mass = float(scene.mass(b, j))
-            times.append(contact_time(modulus, a * b / (a + b), mass * other_mass / (mass + other_mass), speed))
+            other, other_mass = scene.materials[j], float(scene.mass(b, j))
+            reduced = a * b / (a + b), mass * other_mass / (mass + other_mass)
+            times.append(impact_time(material, other, scene.pair_surface(i, j), *reduced, speed))
         if scene.enclosure:
-            modulus = contact_constants(material, scene.wall, scene.wall_surface(i))["modulus"]
-            times.append(contact_time(modulus, a, mass, speed))
+            times.append(impact_time(material, scene.wall, scene.wall_surface(i), a, mass, speed))
     return min(times)
 
 
@@ -170,8 +116,8 @@ def longest_step(scene: Scene, grains, speed: float, *, steps_per_contact: float
     float
         [s].
     """
-    strength = max(dashpot(surface.restitution) for surface in scene.surfaces())
-    return shortest_contact(scene, grains, speed) / max(steps_per_contact, STEPS_PER_DASHPOT * strength)
+    fewest = max(steps_per_contact, STEPS_PER_DASHPOT * strongest_dashpot(scene))
+    return shortest_contact(scene, grains, speed) / fewest
 
 
 def contact_step(scene: Scene, grains, *, steps_per_contact: float = STEPS_PER_CONTACT) -> float:

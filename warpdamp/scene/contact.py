@@ -1,14 +1,20 @@
-"""Constants of the contact law from materials and surfaces; the law itself is ``kernels/contact.py``."""
+"""The contact law on the host: its constants from materials and surfaces, and how deep and how long an impact is.
+
+The law itself is ``kernels/contact.py``.
+"""
 
 from __future__ import annotations
 
 import functools
 import math
 
-from .scene import Material, Surface
+from .scene import Material, Scene, Surface
 
 LEAST_RESTITUTION = 1e-3
 """A dashpot that lets nothing rebound would be infinitely strong: restitutions below are taken as this."""
+
+HERTZ_DURATION = 2.943275
+"""tc v / d_max of an elastic Hertz contact, (4/5) sqrt(pi) Gamma(2/5) / Gamma(9/10)."""
 
 
 @functools.cache
@@ -82,3 +88,97 @@ def contact_constants(one: Material, other: Material, surface: Surface) -> dict:
         "friction": surface.friction,
         "rolling_friction": surface.rolling_friction,
     }
+
+
+def strongest_dashpot(scene: Scene) -> float:
+    """Largest strength b of a scene's dashpots, see ``dashpot`` [-]."""
+    return max(dashpot(surface.restitution) for surface in scene.surfaces())
+
+
+def largest_overlap(modulus: float, radius: float, mass: float, speed: float) -> float:
+    """Largest overlap of an elastic Hertz impact, d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5) [m].
+
+    Parameters
+    ----------
+    modulus, radius, mass : float
+        E* [Pa], R* [m], m* [kg] of the pair.
+    speed : float
+        v [m/s].
+
+    Returns
+    -------
+    float
+        [m].
+    """
+    return (15 * mass * speed**2 / (16 * modulus * math.sqrt(radius))) ** 0.4
+
+
+def contact_time(modulus: float, radius: float, mass: float, speed: float) -> float:
+    """Duration of an elastic Hertz impact, tc = 2.943 d_max / v with d_max the ``largest_overlap`` [s].
+
+    Parameters
+    ----------
+    modulus, radius, mass : float
+        E* [Pa], R* [m], m* [kg] of the pair.
+    speed : float
+        v [m/s].
+
+    Returns
+    -------
+    float
+        [s].
+    """
+    return HERTZ_DURATION * largest_overlap(modulus, radius, mass, speed) / speed
+
+
+def impact_time(one: Material, other: Material, surface: Surface, radius: float, mass: float, speed: float) -> float:
+    """Duration of an elastic impact of two materials [s].
+
+    Parameters
+    ----------
+    one, other : Material
+    surface : Surface
+    radius, mass : float
+        R* [m], m* [kg] of the pair.
+    speed : float
+        [m/s].
+
+    Returns
+    -------
+    float
+        [s].
+    """
+    return contact_time(contact_constants(one, other, surface)["modulus"], radius, mass, speed)
+
+
+def impact_overlap(scene: Scene, speed: float) -> float:
+    """Largest overlap of two equal spheres of any materials that meet at ``speed`` [m/s], over their reduced radius.
+
+    It does not depend on their size.
+    """
+    overlaps = []
+    for i, one in enumerate(scene.materials):
+        for j, other in enumerate(scene.materials):
+            modulus = contact_constants(one, other, scene.pair_surface(i, j))["modulus"]
+            a, b = float(scene.mass(2.0, i)), float(scene.mass(2.0, j))  # reduced radius 1
+            overlaps.append(largest_overlap(modulus, 1.0, a * b / (a + b), speed))
+    return max(overlaps)
+
+
+def softening(scene: Scene, speed: float, overlap: float) -> float:
+    """Factor on a scene's moduli with which impacts are as deep as is allowed, at most 1 [-].
+
+    Parameters
+    ----------
+    scene : Scene
+    speed : float
+        Of the impact [m/s].
+    overlap : float
+        Allowed, over the reduced radius [-].
+
+    Returns
+    -------
+    float
+        [-].
+    """
+    return min(1.0, (impact_overlap(scene, speed) / overlap) ** 2.5)

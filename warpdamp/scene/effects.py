@@ -129,6 +129,15 @@ EFFECTS = {
 }
 """Effects by name, in the order of the fields of ``Effects``; ``precision`` is not among them."""
 
+NOT_MODELLED = (
+    "the structure's answer to the damper (the enclosure's motion is prescribed)",
+    "air, cohesion, liquid bridges, electrostatic charge",
+    "wear, breakage, plastic flow and heating of the particles",
+    "particles other than spheres; friction against spinning about the normal",
+    "flexibility of the enclosure's walls",
+)
+"""What no effect of a study covers."""
+
 FORCIBLE = tuple(name for name, effect in EFFECTS.items() if effect.forcible)
 """Effects that may be forced on or off."""
 

@@ -14,7 +14,7 @@ from ..execution.adaptive import needed_cases
 from ..execution.batching import BATCH_COST, MOST_CASES
 from ..execution.store import Finished
 from ..numerics.timestep import expected_speed, shortest_contact
-from ..scene.effects import EFFECTS, Effects, called_for
+from ..scene.effects import EFFECTS, NOT_MODELLED, Effects, called_for
 from ..scene.scene import STANDARD_GRAVITY
 from ..sweep.cases import Cases
 from ..sweep.plan import Fate, make_plan
@@ -25,14 +25,6 @@ if TYPE_CHECKING:
     from ..damper.case import Spec
     from ..modal.modes import Modes
     from ..sweep.plan import Plan
-
-NOT_MODELLED = (
-    "the structure's answer to the damper (the enclosure's motion is prescribed)",
-    "air, cohesion, liquid bridges, electrostatic charge",
-    "wear, breakage, plastic flow and heating of the particles",
-    "particles other than spheres; friction against spinning about the normal",
-    "flexibility of the enclosure's walls",
-)
 
 LISTED_PAIRS = 8
 """Listed pairs to a particle: three or four near it, and as many while a list is plan beside the old one."""
