@@ -24,6 +24,10 @@ from .damping import strain_energy
 if TYPE_CHECKING:
     import xarray as xr
 
+REACH = 0.05
+"""Part of a frequency within which a damper's complex mass is taken for that at the frequency: a mode of the paper's
+beam moves by 2 % at most as its damper's mass changes with Gamma (docs/frf.md)."""
+
 
 def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
     """Apparent mass m' and mass in quadrature m'' [kg] of every case, mean over seeds.
@@ -37,11 +41,13 @@ def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
     -------
     xarray.Dataset
         ``apparent_mass`` and ``quadrature_mass`` on (frequency, gamma, swept scalars), each with its standard error
-        from the spread of the seeds (NaN with a single seed).
+        from the spread of the seeds (NaN with a single seed).  Of a card its own.
     """
-    acceleration = (2 * np.pi * dataset["excitation_frequency"]) ** 2 * dataset["displacement"]
-    quadrature = dataset["harmonic_work"] / (np.pi * acceleration * dataset["displacement"])
-    found = dataset.assign(quadrature_mass=quadrature)
+    found = dataset
+    if "quadrature_mass" not in dataset:
+        acceleration = (2 * np.pi * dataset["excitation_frequency"]) ** 2 * dataset["displacement"]
+        quadrature = dataset["harmonic_work"] / (np.pi * acceleration * dataset["displacement"])
+        found = dataset.assign(quadrature_mass=quadrature)
     mean = dataset[[]].drop_dims("seed", errors="ignore")
     for name in ("apparent_mass", "quadrature_mass"):
         mean[name], mean[f"{name}_standard_error"] = over_packings(found, name)
@@ -196,12 +202,14 @@ class ComplexMass:
     gamma : (n,) array, increasing [-]
     mass : (k, n) complex array [kg]
     of_modes : whether the frequencies are a structure's modes
+    band : lowest and highest frequency [Hz] that it may be used at, of a card; None: anywhere, with the nearest values
     """
 
     frequency: np.ndarray
     gamma: np.ndarray
     mass: np.ndarray
     of_modes: bool = True
+    band: tuple[float, float] | None = None
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> ComplexMass:
@@ -233,7 +241,15 @@ class ComplexMass:
         mass = mass.dropna("gamma")
         if mass.sizes["gamma"] < 2:
             raise ModalError("a describing function needs results at two Gammas or more: run with a list of gamma")
-        return cls(mass["frequency"].values, mass["gamma"].values, mass.values, "natural_frequency" in dataset)
+        of_modes = "natural_frequency" in dataset or dataset.attrs.get("frequencies") == "modes"
+        band = dataset.attrs.get("frequency_range")
+        return cls(
+            mass["frequency"].values,
+            mass["gamma"].values,
+            mass.values,
+            of_modes,
+            None if band is None else (float(band[0]), float(band[1])),
+        )
 
     def __call__(self, frequency, gamma) -> np.ndarray:
         """Complex mass m' - j m'' at frequencies and Gammas, broadcast against each other [kg].
@@ -261,7 +277,42 @@ class ComplexMass:
             )
         values = self._over_gamma(np.clip(gamma, self.gamma[0], highest))  # (..., k, 2)
         mass = values[..., 0] + 1j * values[..., 1]
-        return np.sum(mass * self._weights(frequency), axis=-1)
+        return np.sum(mass * self.weights(frequency), axis=-1)
+
+    def require_modes_at(self, frequency) -> None:
+        """Refuse resonances [Hz] that a card says nothing about; results without a band are not asked.
+
+        Raises
+        ------
+        ModalError
+            If one lies outside the band, or, where the damper was run at the modes of a structure, apart from these.
+        """
+        self.require_in_band(frequency)
+        if self.band is None or not self.of_modes:
+            return
+        for f in np.ravel(frequency):
+            if np.min(np.abs(f / self.frequency - 1)) > REACH:
+                known = ", ".join(f"{own:.4g}" for own in self.frequency)
+                raise ModalError(
+                    f"a mode at {f:.4g} Hz: the card was made at the modes of a structure and holds within "
+                    f"{100 * REACH:g} % of {known} Hz: make one from a run with a list of excitation.frequency"
+                )
+
+    def require_in_band(self, frequency) -> None:
+        """Refuse frequencies [Hz] outside the band of a card.
+
+        Raises
+        ------
+        ModalError
+            Names the band.
+        """
+        if self.band is None:
+            return
+        low, high = self.band
+        frequency = np.ravel(frequency)
+        outside = frequency[~((frequency >= low * (1 - 1e-9)) & (frequency <= high * (1 + 1e-9)))]
+        if len(outside):
+            raise ModalError(f"{outside[0]:.4g} Hz is outside the range of the card, {low:.4g} to {high:.4g} Hz")
 
     def within(self, gamma) -> np.ndarray:
         """Whether Gammas lie in the range of the results.
@@ -282,8 +333,8 @@ class ComplexMass:
 
         return PchipInterpolator(self.gamma, np.stack([self.mass.T.real, self.mass.T.imag], axis=-1))
 
-    def _weights(self, frequency) -> np.ndarray:
-        """(..., k) shares of the frequencies in the value at another one."""
+    def weights(self, frequency) -> np.ndarray:
+        """(..., k) shares of the frequencies in the value at another one [Hz]."""
         count = len(self.frequency)
         place = np.interp(np.log(frequency), np.log(self.frequency), np.arange(count))
         below = np.minimum(place.astype(int), max(count - 2, 0))

@@ -184,7 +184,7 @@ def accelerance(
     ------
     ModalError
         If the results have no modes or swept scalars left, if a Gamma is outside their range, or if a frequency is not
-        above 0.
+        above 0 or outside the range of a card.
 
     Examples
     --------
@@ -200,11 +200,13 @@ def accelerance(
     if not mass.within(gamma).all():
         raise ModalError(f"gamma: the results reach from {mass.gamma[0]:g} to {mass.gamma[-1]:g}, {gamma} does not fit")
     resonance = np.array([own.resonances(mass, g) for g in gamma])  # (gamma, 2, mode)
+    mass.require_modes_at(resonance[:, 0])
     if frequency is None:
-        frequency = _grid(resonance, _band(own, band))
+        frequency = _grid(resonance, _band(own, band, mass.band))
     frequency = np.asarray(frequency, float)
     if not (np.isfinite(frequency) & (frequency > 0)).all():
         raise ModalError("frequency: expected finite frequencies above 0 Hz")
+    mass.require_in_band(frequency)
     response = 1 / (own.dynamic_mass(frequency) + mass(frequency, gamma[:, None]))
     out = xr.Dataset(
         {
@@ -247,13 +249,16 @@ def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: ModalMo
     Raises
     ------
     ModalError
-        If the results have no modes or swept scalars left, or if a force drives the damper above their highest Gamma.
+        If the results have no modes or swept scalars left, if a force drives the damper above their highest Gamma, or
+        if a frequency is outside the range of a card.
     """
     import xarray as xr
 
     mass, own = ComplexMass.of(dataset), structure or ModalModel.of(dataset)
     resonance = np.array([own.resonances(mass, g) for g in mass.gamma])
-    frequency = _grid(resonance, _band(own, band))
+    mass.require_modes_at(resonance[:, 0])
+    frequency = _grid(resonance, _band(own, band, mass.band))
+    mass.require_in_band(frequency)
     if not np.size(forces):
         raise ModalError("forces: give an amplitude, or several [N]")
 
@@ -356,10 +361,11 @@ def _bounded(own: ModalModel, mass: ComplexMass, force: float, frequency) -> Non
         )
 
 
-def _band(own: ModalModel, asked) -> tuple[float, float]:
-    """The band that is asked for, or one about all modes."""
+def _band(own: ModalModel, asked, known=None) -> tuple[float, float]:
+    """The band that is asked for, or one about all modes, as far as the damper is known."""
     if asked is None:
-        return 0.5 * float(own.frequency.min()), 1.25 * float(own.frequency.max())
+        low, high = known or (0.0, np.inf)
+        return max(low, 0.5 * float(own.frequency.min())), min(high, 1.25 * float(own.frequency.max()))
     low, high = map(float, asked)
     if not 0 < low < high < np.inf:
         raise ModalError(f"band: expected two frequencies above 0 Hz, the lower one first, got {low:g} and {high:g}")
