@@ -12,6 +12,7 @@ from .analysis.optimum import optimum
 from .analysis.regimes import regime
 from .analysis.results import over_packings
 from .errors import UsageError
+from .modal.apparent_mass import ROUNDING
 from .modal.card import at_frequencies, is_card
 from .modal.damping import damping_of_effectiveness
 from .report.curves import draw
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .modal.modes import Modes
-
-ROUNDING = 1e-6
-"""Part by which a mode may lie outside the frequencies run: studies are run at modes rounded to a microhertz."""
 
 
 @xr.register_dataset_accessor("damper")

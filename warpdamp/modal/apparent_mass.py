@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 REACH = 0.05
 """Part of a frequency within which a damper's complex mass is taken for that at the frequency: a mode of the paper's
 beam moves by 2 % at most as its damper's mass changes with Gamma (docs/frf.md)."""
+ROUNDING = 1e-6
+"""Part by which a frequency may lie outside: studies are run at modes rounded to a microhertz."""
 
 
 def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
@@ -279,24 +281,34 @@ class ComplexMass:
         mass = values[..., 0] + 1j * values[..., 1]
         return np.sum(mass * self.weights(frequency), axis=-1)
 
+    def holds_at(self, frequency) -> np.ndarray:
+        """Whether the mass is known at resonances [Hz], (...) array of bool: anywhere, if it is not that of a card.
+
+        A card made at the modes of a structure holds near these.
+        """
+        frequency = np.asarray(frequency, float)
+        if self.band is None:
+            return np.ones(frequency.shape, bool)
+        if not self.of_modes:
+            return self._in_band(frequency)
+        return np.min(np.abs(frequency[..., None] / self.frequency - 1), axis=-1) <= REACH * (1 + ROUNDING)
+
     def require_modes_at(self, frequency) -> None:
-        """Refuse resonances [Hz] that a card says nothing about; results without a band are not asked.
+        """Refuse resonances [Hz] that a card says nothing about.
 
         Raises
         ------
         ModalError
-            If one lies outside the band, or, where the damper was run at the modes of a structure, apart from these.
+            Names the range of the card.
         """
+        frequency = np.ravel(np.asarray(frequency, float))
         self.require_in_band(frequency)
-        if self.band is None or not self.of_modes:
-            return
-        for f in np.ravel(frequency):
-            if np.min(np.abs(f / self.frequency - 1)) > REACH:
-                known = ", ".join(f"{own:.4g}" for own in self.frequency)
-                raise ModalError(
-                    f"a mode at {f:.4g} Hz: the card was made at the modes of a structure and holds within "
-                    f"{100 * REACH:g} % of {known} Hz: make one from a run with a list of excitation.frequency"
-                )
+        for f in frequency[~self.holds_at(frequency)]:
+            known = ", ".join(f"{own:.4g}" for own in self.frequency)
+            raise ModalError(
+                f"a mode at {f:.4g} Hz: the card was made at the modes of a structure and holds within "
+                f"{100 * REACH:g} % of {known} Hz: make one from a run with a list of excitation.frequency"
+            )
 
     def require_in_band(self, frequency) -> None:
         """Refuse frequencies [Hz] outside the band of a card.
@@ -306,13 +318,14 @@ class ComplexMass:
         ModalError
             Names the band.
         """
-        if self.band is None:
-            return
-        low, high = self.band
-        frequency = np.ravel(frequency)
-        outside = frequency[~((frequency >= low * (1 - 1e-9)) & (frequency <= high * (1 + 1e-9)))]
-        if len(outside):
-            raise ModalError(f"{outside[0]:.4g} Hz is outside the range of the card, {low:.4g} to {high:.4g} Hz")
+        frequency = np.ravel(np.asarray(frequency, float))
+        for f in frequency[~self._in_band(frequency)]:
+            low, high = self.band
+            raise ModalError(f"{f:.4g} Hz is outside the range of the card, {low:.4g} to {high:.4g} Hz")
+
+    def _in_band(self, frequency: np.ndarray) -> np.ndarray:
+        low, high = self.band or (0.0, np.inf)
+        return (frequency >= low * (1 - ROUNDING)) & (frequency <= high * (1 + ROUNDING))
 
     def within(self, gamma) -> np.ndarray:
         """Whether Gammas lie in the range of the results.

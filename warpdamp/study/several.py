@@ -84,8 +84,8 @@ def modes_with(config: Config, masses: Sequence[float]) -> list[Modes]:
     """
     first, *further = masses
     if len(further) != len(config.dampers):
-        there = f"{1 + len(config.dampers)} dampers with damper, where {len(masses)} are given"
-        raise config.error("dampers", f"{there}: warpdamp damping takes a card for each, in their order")
+        there = f"the structure carries {1 + len(config.dampers)}, and the cards given are {len(masses)}"
+        raise config.error("dampers", f"{there}: warpdamp damping takes one for each, in their order")
     return seen_by_all(config, modes_of(config, particles=first, further=further))
 
 
