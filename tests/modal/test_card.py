@@ -247,6 +247,7 @@ def test_what_is_no_card_is_refused_with_its_place(tmp_path):
         (without("particle_mass_kg"), r"it has no line '# particle_mass_kg"),
         (text.replace("# card: 1", "# card: 7"), "is a card of version 7, read is 1"),
         (text.replace("# title: ", "# title: x"), r"damper.csv:1: title: expected a value in JSON"),
+        ('# note: {"a": 1}\n' + text, r"damper.csv:1: note: expected text, a number or a list of either"),
         ("".join(rows[:-1]), "expected one row for every frequency and Gamma, 4 times 3"),
         (text + rows[-1], "expected one row for every frequency and Gamma"),
         (text.replace("apparent_mass [kg]", "apparent_mass [g]"), r"unknown column apparent_mass \[g\]"),
@@ -267,6 +268,9 @@ def test_what_is_no_card_is_refused_with_its_place(tmp_path):
         assert "\n" not in str(caught.value)
     with pytest.raises(ModalError, match="there is no file"):
         read_card(tmp_path / "none.csv")
+    card(listed()).drop_vars("quadrature_mass").to_netcdf(tmp_path / "damaged.nc")
+    with pytest.raises(ModalError, match="is a damaged card: it has no quadrature_mass"):
+        read_card(tmp_path / "damaged.nc")
     (tmp_path / "text.nc").write_text("no netCDF")
     with pytest.raises(UsageError, match="is not a netCDF file"):
         read_card(tmp_path / "text.nc")

@@ -177,9 +177,12 @@ def frf(
 def _results_or_card(file: Path) -> xr.Dataset:
     """Results as they are in the file, or a card."""
     from ..analysis.results import read
-    from ..modal.card import read_card
+    from ..modal.card import is_card, read_card
 
-    return read_card(file) if file.suffix.lower() == ".csv" else read(file)
+    if file.suffix.lower() == ".csv":
+        return read_card(file)
+    found = read(file)
+    return read_card(file) if is_card(found) else found
 
 
 def _with_structure(dataset: xr.Dataset, structure: Path | None, file: Path) -> tuple[xr.Dataset, ModalModel | None]:

@@ -28,7 +28,7 @@ from ..scene.scene import STANDARD_GRAVITY
 from ..variables import describe
 from ..version import __version__
 from .apparent_mass import REACH, ComplexMass, complex_mass
-from .card_csv import CardTable, read_csv, write_csv
+from .card_csv import NEEDED, CardTable, read_csv, write_csv
 from .damping import several_dampers
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def _attributes(results: xr.Dataset, felt: ComplexMass) -> dict:
 
 def is_card(dataset: xr.Dataset) -> bool:
     """Whether a Dataset is a card."""
-    return "card" in dataset.attrs and "quadrature_mass" in dataset
+    return "card" in dataset.attrs and "effectiveness" in dataset
 
 
 def _dataset(table: CardTable) -> xr.Dataset:
@@ -184,9 +184,15 @@ def read_card(file: str | Path) -> xr.Dataset:
     if file.suffix.lower() == ".csv":
         return _dataset(read_csv(file, COLUMNS, VERSION))
     found = read(file)
-    if is_card(found) and found.attrs["card"] != VERSION:
+    if not is_card(found):
+        return card(found)
+    if found.attrs["card"] != VERSION:
         raise ModalError(f"{file}: is a card of version {found.attrs['card']}, read is {VERSION}: write it again")
-    return card(found)
+    missing = [name for name in (*COLUMNS, "particle_mass") if name not in found]
+    missing += [name for name in NEEDED if name not in found.attrs]
+    if missing:
+        raise ModalError(f"{file}: is a damaged card: it has no {missing[0]}: write it again")
+    return found
 
 
 def write_card(part: xr.Dataset, file: str | Path) -> None:

@@ -20,12 +20,14 @@ import numpy as np
 
 from ..errors import ModalError
 from ..files import whole_file
-from ..text_file import TableError, read_text
+from ..text_file import TableError, printable, read_text
 from ..text_table import Column, TextTable, read_table
 from ..variables import INTEGERS, VARIABLES
 
 AXES = {"frequency": "Hz", "gamma": "1"}
-NEEDED = ("card", "frequencies", "frequency_range", "gamma_range", "particle_mass_kg")
+NEEDED = ("card", "frequencies", "frequency_range", "gamma_range")
+"""Attributes that a card cannot do without."""
+MASS = "particle_mass_kg"
 _LINE = re.compile(r"#\s*(\w+):\s*(.+)")
 
 
@@ -53,7 +55,7 @@ class CardTable:
 def write_csv(file: Path, table: CardTable) -> None:
     """Write a card as a table that reads back to the same bits."""
     with whole_file(file) as part, part.open("w", newline="", encoding="utf-8") as text:
-        for name, value in {**table.attributes, "particle_mass_kg": table.particle_mass}.items():
+        for name, value in {**table.attributes, MASS: table.particle_mass}.items():
             plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
             text.write(f"# {name}: {json.dumps(plain)}\n")
         rows = csv.writer(text, lineterminator="\n")
@@ -85,10 +87,13 @@ def read_csv(file: Path, names: Sequence[str], version: int) -> CardTable:
         frequency and Gamma are missing or there twice.
     """
     try:
-        attributes = _read_attributes(file, version)
-        table = read_table(file)
-    except TableError as error:
-        raise ModalError(str(error)) from None
+        return _read(file, names, version)
+    except (ModalError, TableError) as error:
+        raise ModalError(printable(str(error))) from None
+
+
+def _read(file: Path, names: Sequence[str], version: int) -> CardTable:
+    attributes, table = _read_attributes(file, version), read_table(file)
     if table.preamble:
         raise ModalError(f"{file}:{table.preamble[0].line}: is neither names nor numbers: delete the line")
     columns = _read_columns(table, names)
@@ -100,7 +105,7 @@ def read_csv(file: Path, names: Sequence[str], version: int) -> CardTable:
     _check(file, table.lines, columns)
     values = {name: columns[name][order].reshape(len(frequency), len(gamma)) for name in names}
     values |= {name: values[name].astype(np.int64) for name in names if name in INTEGERS}
-    mass = attributes.pop("particle_mass_kg")
+    mass = attributes.pop(MASS)
     _check_range(file, attributes, mass, frequency, gamma)
     return CardTable(frequency, gamma, values, float(mass), attributes)
 
@@ -116,20 +121,26 @@ def _read_attributes(file: Path, version: int) -> dict:
             raise ModalError(
                 f"{file}:{number}: {named[1]}: expected a value in JSON, as text in double quotes"
             ) from None
-    if missing := [name for name in NEEDED if name not in found]:
+    if missing := [name for name in (*NEEDED, MASS) if name not in found]:
         raise ModalError(f"{file}: is no card of a damper: it has no line '# {missing[0]}: ...'")
     if found["card"] != version:
         raise ModalError(f"{file}: is a card of version {found['card']}, read is {version}: write it again")
     return found
 
 
+def _is_plain(value) -> bool:
+    """Whether a value can be an attribute of a netCDF file."""
+    values = value if isinstance(value, list) else [value]
+    numbers = all(isinstance(v, int | float) and not isinstance(v, bool) and abs(v) < 1e15 for v in values)
+    return numbers or all(isinstance(v, str) for v in values)
+
+
 def _read_columns(table: TextTable, names: Sequence[str]) -> dict[str, np.ndarray]:
     expected = _columns(names)
     if set(table.columns) != set(expected) or len(table.columns) != len(expected):
-        odd = [str(column) for column in table.columns if column not in expected]
-        missing = [str(column) for column in expected if column not in table.columns]
-        said = [f"unknown column {odd[0]}"] * bool(odd) + [f"there is no column {missing[0]}"] * bool(missing)
-        what = "; ".join(said) or "a column is there twice"
+        wrong = [f"unknown column {column}" for column in table.columns if column not in expected]
+        wrong += [f"there is no column {column}" for column in expected if column not in table.columns]
+        what = (wrong or ["a column is there twice"])[0]
         raise ModalError(
             f"{table.file}:{max(table.header_line, 1)}: {what}; a card has {', '.join(map(str, expected))}"
         )
@@ -151,13 +162,13 @@ def _check(file: Path, lines: np.ndarray, columns: dict[str, np.ndarray]) -> Non
 
 def _check_range(file: Path, attributes: dict, mass, frequency: np.ndarray, gamma: np.ndarray) -> None:
     """Refuses a range that is not that of the rows."""
-    if isinstance(mass, bool) or not isinstance(mass, int | float) or not 0 < mass < np.inf:
-        raise ModalError(f"{file}: particle_mass_kg: {mass!r}: expected a mass above 0")
+    if not isinstance(mass, int | float) or mass <= 0:
+        raise ModalError(f"{file}: {MASS}: {mass!r}: expected a mass above 0")
     if attributes["frequencies"] not in ("modes", "list"):
         raise ModalError(f'{file}: frequencies: {attributes["frequencies"]!r}: expected "modes" or "list"')
     if attributes["gamma_range"] != [gamma[0], gamma[-1]]:
         raise ModalError(f"{file}: gamma_range: the rows reach from {gamma[0]:g} to {gamma[-1]:g}")
     band = attributes["frequency_range"]
-    numbers = isinstance(band, list) and len(band) == 2 and all(isinstance(f, int | float) for f in band)
-    if not (numbers and 0 < band[0] <= frequency[0] and frequency[-1] <= band[1] < np.inf):
+    numbers = isinstance(band, list) and len(band) == 2 and not any(isinstance(f, str) for f in band)
+    if not (numbers and 0 < band[0] <= frequency[0] and frequency[-1] <= band[1]):
         raise ModalError(f"{file}: frequency_range: expected the lowest and the highest frequency [Hz] about the rows'")

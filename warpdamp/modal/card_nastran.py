@@ -86,7 +86,7 @@ def _head(part: xr.Dataset, felt: ComplexMass, gamma: float, rigid: float) -> li
     low, high = felt.band
     at = [f"{f:.4g} Hz: m' {1e3 * m.real:.4g} g, m'' {-1e3 * m.imag:.4g} g" for f, m in _told(felt, gamma)]
     told = (
-        part.attrs["title"],
+        str(part.attrs.get("title", "")),
         f"Complex mass m' - j m'' of a granular damper at Gamma {gamma:g} (acceleration amplitude at the damper over "
         f"{STANDARD_GRAVITY:g} m/s^2), from {low:.5g} to {high:.5g} Hz.  It holds at that amplitude of the response "
         "only, and in frequency response only.  Beyond the ends of the tables it means nothing: stay inside.",
@@ -96,7 +96,7 @@ def _head(part: xr.Dataset, felt: ComplexMass, gamma: float, rigid: float) -> li
         "a bush to ground along component 1 of its coordinate system; with GRID and CID of yours:",
         f"  CONM2,{FIRST_NUMBER},GRID,,{rigid:.6g}",
         f"  CBUSH,{FIRST_NUMBER},{FIRST_NUMBER},GRID,,,,,CID",
-        part.attrs.get("source", ""),
+        str(part.attrs.get("source", "")),
     )
     return [f"$ {line}\n" for text in told for line in wrap(text, COLUMNS, drop_whitespace=True)]
 
