@@ -66,8 +66,8 @@ closed form and Z = −ω² (m_empty + m′ − j m″). (b) and (c) share the c
 
 Largest difference from (a): {frequency:.2f} % in frequency ({frequency_limit:g} % allowed: **{frequency_held}**) and
 {damping:.2f} % in damping ({damping_limit:g} % allowed: **{damping_held}**). The frequencies of (b) and (c) are lower
-because the clamps of a solid hold its ends across, too; from each other they differ by {between_frequency:.1g} % and
-{between_damping:.1g} %.
+because a clamp stops Poisson's contraction of a solid, which beam theory leaves out ([modes.md](modes.md)); from each
+other they differ by {between_frequency:.1g} % and {between_damping:.1g} %.
 
 ## Without an FRF
 

@@ -149,7 +149,7 @@ def test_a_card_gives_the_frf_of_its_study(results, part):
 
 
 def test_one_row_of_the_document(part, modes):
-    """Asked for: 0.5 % in frequency, 2 % in damping; a solid's clamps make 0.3 %, and three modes of all 0.4 %."""
+    """Asked for: 0.5 % in frequency, 2 % in damping; a solid's clamps make 0.3 % of the one, and three modes of all 0.4 %."""
     found = compared(part, modes, 3, 5.0)
     for way in (DIRECT, COUPLED):
         assert found[way][0] == pytest.approx(found[FRF][0], rel=0.0035)

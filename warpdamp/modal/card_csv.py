@@ -115,12 +115,13 @@ def _read_attributes(file: Path, version: int) -> dict:
     for number, line in enumerate(read_text(file).splitlines(), 1):
         if not (named := _LINE.fullmatch(line.strip())):
             continue
+        where = f"{file}:{number}: {named[1]}"
         try:
             found[named[1]] = json.loads(named[2])
-        except ValueError:
-            raise ModalError(
-                f"{file}:{number}: {named[1]}: expected a value in JSON, as text in double quotes"
-            ) from None
+        except (ValueError, RecursionError):
+            raise ModalError(f"{where}: expected a value in JSON, as text in double quotes") from None
+        if not _is_plain(found[named[1]]):
+            raise ModalError(f"{where}: expected text, a number or a list of either")
     if missing := [name for name in (*NEEDED, MASS) if name not in found]:
         raise ModalError(f"{file}: is no card of a damper: it has no line '# {missing[0]}: ...'")
     if found["card"] != version:
