@@ -12,6 +12,8 @@ from .analysis.optimum import optimum
 from .analysis.regimes import regime
 from .analysis.results import over_packings
 from .errors import UsageError
+from .modal.apparent_mass import ROUNDING
+from .modal.card import at_frequencies, is_card
 from .modal.damping import damping_of_effectiveness
 from .report.curves import draw
 from .report.maps import regime_map
@@ -73,7 +75,7 @@ class Damper:
     def damping(self, modes: Modes) -> xr.Dataset:
         """Damping ratio of any structure's modes with this damper, (2 / pi) eps m phi^2 [-], mean over seeds.
 
-        Effectiveness is taken linearly between the frequencies that were run.
+        Effectiveness is taken linearly between the frequencies that were run, of a card as its complex mass.
 
         Parameters
         ----------
@@ -102,12 +104,15 @@ class Damper:
             )
         if "frequency" not in dataset["effectiveness"].dims:
             raise ValueError("damping of modes needs frequency as a dimension of the Dataset")
+        if is_card(dataset):
+            dataset = at_frequencies(dataset, np.unique(modes.frequency))
         low, high = float(dataset["frequency"].min()), float(dataset["frequency"].max())
-        outside = [f for f in np.asarray(modes.frequency) if not low <= f <= high]
+        outside = [f for f in np.asarray(modes.frequency) if not low * (1 - ROUNDING) <= f <= high * (1 + ROUNDING)]
         if outside:
             raise ValueError(f"a mode at {outside[0]:.1f} Hz lies outside the frequencies run, {low:g} to {high:g} Hz")
         number = xr.DataArray(np.asarray(modes.number), dims="mode", attrs={"units": "1", "long_name": "mode"})
-        frequency, amplitude = (xr.DataArray(np.asarray(a), dims="mode") for a in (modes.frequency, modes.amplitude))
+        frequency, amplitude = np.clip(modes.frequency, low, high), np.asarray(modes.amplitude)
+        frequency, amplitude = (xr.DataArray(a, dims="mode") for a in (frequency, amplitude))
         value, error = over_packings(dataset, "effectiveness")
         variance = error**2
         if dataset.sizes["frequency"] > 1:

@@ -91,6 +91,10 @@ VARIABLES = {
     "band_start": ("Hz", "lowest frequency of the band that was fitted"),
     "band_end": ("Hz", "highest frequency of the band that was fitted"),
     "band_lines": ("1", "lines of the FRF in the band that was fitted"),
+    # cards (modal/card.py)
+    "apparent_mass_interval": ("kg", "half-width of the 95 % interval of the apparent mass"),
+    "quadrature_mass_interval": ("kg", "half-width of the 95 % interval of the mass in quadrature"),
+    "effectiveness_interval": ("1", "half-width of the 95 % interval of the effectiveness, mean over packings"),
     "within_range": ("1", "whether Gamma lies in the range of the damper's results"),
     "inherent_damping": ("1", "damping ratio without the damper"),
     # several dampers on one structure (study/several.py)

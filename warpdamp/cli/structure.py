@@ -11,11 +11,16 @@ from ..errors import UsageError
 from .common import ConfigArgument, one_line_errors, progress, save_as_asked, writable
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from ..config.study import Config
+    from ..modal.frf import ModalModel
     from ..modal.modes import Modes
 
 MOST_REFUSED = 12
 """Fits that a command says why it left out."""
+
+AtOption = Annotated[list[str] | None, typer.Option(help="Value of a swept scalar, as friction=0.5.")]
 
 app = typer.Typer()
 
@@ -134,7 +139,11 @@ def _newtons(text: str) -> float:
 
 @app.command()
 def frf(
-    file: Annotated[Path, typer.Argument(help="Results of a run with a structure.", metavar="RESULTS.nc")],
+    file: Annotated[Path, typer.Argument(help="Results of a run with a structure, or a card.", metavar="RESULTS.nc")],
+    structure: Annotated[
+        Path | None,
+        typer.Option(help="Study whose structure carries the damper; what it says of dampers does not count."),
+    ] = None,
     constant_force: Annotated[
         list[float] | None,
         typer.Option(
@@ -144,25 +153,126 @@ def frf(
         ),
     ] = None,
     band: Annotated[tuple[float, float] | None, typer.Option(help="Lowest and highest frequency [Hz].")] = None,
-    at: Annotated[list[str] | None, typer.Option(help="Value of a swept scalar, as friction=0.5.")] = None,
+    at: AtOption = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help=".nc for the data, .png for a picture (default: beside FILE).")
     ] = None,
 ) -> None:
     """Accelerance of the structure with its damper: at controlled Gamma, or every branch at constant force."""
     with one_line_errors():
-        from ..analysis.results import read
         from ..modal import frf as response
         from ..report.frf import families, force_curves
 
         target = output or file.with_name(f"{file.stem}-frf.png")
-        dataset = response.chosen(read(file), at or [])
+        dataset = response.chosen(_results_or_card(file), at or [])
+        dataset, own = _with_structure(dataset, structure, file)
         if constant_force:
-            result, draw = response.constant_force(dataset, constant_force, band), force_curves
+            result, draw = response.constant_force(dataset, constant_force, band, structure=own), force_curves
         else:
-            result, draw = response.accelerance(dataset, band=band), families
+            result, draw = response.accelerance(dataset, band=band, structure=own), families
         save_as_asked(result, draw, target)
     print(target)
+
+
+def _results_or_card(file: Path) -> xr.Dataset:
+    """Results as they are in the file, or a card."""
+    from ..analysis.results import read
+    from ..modal.card import is_card, read_card
+
+    if file.suffix.lower() == ".csv":
+        return read_card(file)
+    found = read(file)
+    return read_card(file) if is_card(found) else found
+
+
+def _with_structure(dataset: xr.Dataset, structure: Path | None, file: Path) -> tuple[xr.Dataset, ModalModel | None]:
+    """The card of the damper in results, and the structure of a study; without one the results alone."""
+    from ..modal.card import card as card_of
+    from ..modal.card import is_card
+    from ..modal.frf import ModalModel
+    from ..study.several import modes_with
+
+    if structure is None:
+        if is_card(dataset):
+            raise UsageError(f"{file}: is a card, a damper without a structure: name one by --structure CONFIG")
+        return dataset, None
+    part = card_of(dataset)
+    mass = float(part["particle_mass"])
+    (modes,) = modes_with(_structural(structure), [mass])
+    return part, ModalModel.of_modes(modes, modes.inherent_damping, mass)
+
+
+def _structural(file: Path) -> Config:
+    """Study with a structure."""
+    from ..sweep.load import load
+
+    checked = load(file)
+    if checked.structure is None:
+        raise checked.error("structure", "missing: a damper needs a structure that carries it")
+    return checked
+
+
+@app.command()
+def card(
+    file: Annotated[Path, typer.Argument(help="Results of a run of one damper, or its card.", metavar="RESULTS.nc")],
+    at: AtOption = None,
+    gamma: Annotated[float | None, typer.Option(help="Amplitude that a file for Nastran holds at.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help=".nc, .csv, or .bdf or .dat for Nastran (default: FILE.card.nc)."),
+    ] = None,
+) -> None:
+    """Write the damper as a part: its complex mass over frequency and Gamma, with intervals, range and provenance."""
+    with one_line_errors():
+        from ..modal.card import card as card_of
+        from ..modal.card import write_card
+        from ..modal.card_nastran import SUFFIXES, write_nastran
+        from ..modal.frf import chosen
+
+        target = output or file.with_name(f"{file.stem}.card.nc")
+        part = card_of(chosen(_results_or_card(file), at or []))
+        writable(target.parent)
+        nastran = target.suffix.lower() in SUFFIXES
+        if nastran and gamma is None:
+            raise UsageError(f"{target}: Nastran's tables hold at one amplitude: give it by --gamma")
+        if not nastran and gamma is not None:
+            raise UsageError(f"{target}: --gamma is for Nastran's tables (.bdf, .dat): a card holds all: leave it out")
+        if nastran:
+            write_nastran(part, target, gamma)
+        else:
+            write_card(part, target)
+    print(target)
+
+
+@app.command()
+def damping(
+    files: Annotated[list[Path], typer.Argument(help="A card for each damper, or one for all.", metavar="CARD...")],
+    structure: Annotated[
+        Path, typer.Option(help="Study whose structure carries the dampers, at their places in it.", metavar="CONFIG")
+    ],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help=".nc for the data.")] = None,
+) -> None:
+    """Damping of a structure's modes with one damper or several, known by their cards: no simulation."""
+    from rich.console import Console
+
+    with one_line_errors():
+        from ..analysis.results import write
+        from ..modal import card as cards
+        from ..report.tables import dampers_table
+        from ..study.several import modes_with
+
+        checked = _structural(structure)
+        parts = [cards.read_card(file) for file in files]
+        if len(parts) == 1:
+            parts *= 1 + len(checked.dampers)
+        modes = modes_with(checked, [float(part["particle_mass"]) for part in parts])
+        found = cards.damping(parts, modes)
+        if output:
+            if output.suffix != ".nc":
+                raise UsageError(f"{output}: name a file that ends in .nc")
+            writable(output.parent)
+            write(found, output)
+    Console().print(dampers_table(found))
 
 
 @app.command()

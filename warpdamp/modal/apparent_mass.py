@@ -24,6 +24,12 @@ from .damping import strain_energy
 if TYPE_CHECKING:
     import xarray as xr
 
+REACH = 0.05
+"""Part of a frequency within which a damper's complex mass is taken for that at the frequency: a mode of the paper's
+beam moves by 2 % at most as its damper's mass changes with Gamma (docs/frf.md)."""
+ROUNDING = 1e-6
+"""Part by which a frequency may lie outside: studies are run at modes rounded to a microhertz."""
+
 
 def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
     """Apparent mass m' and mass in quadrature m'' [kg] of every case, mean over seeds.
@@ -37,11 +43,13 @@ def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
     -------
     xarray.Dataset
         ``apparent_mass`` and ``quadrature_mass`` on (frequency, gamma, swept scalars), each with its standard error
-        from the spread of the seeds (NaN with a single seed).
+        from the spread of the seeds (NaN with a single seed).  Of a card its own.
     """
-    acceleration = (2 * np.pi * dataset["excitation_frequency"]) ** 2 * dataset["displacement"]
-    quadrature = dataset["harmonic_work"] / (np.pi * acceleration * dataset["displacement"])
-    found = dataset.assign(quadrature_mass=quadrature)
+    found = dataset
+    if "quadrature_mass" not in dataset:
+        acceleration = (2 * np.pi * dataset["excitation_frequency"]) ** 2 * dataset["displacement"]
+        quadrature = dataset["harmonic_work"] / (np.pi * acceleration * dataset["displacement"])
+        found = dataset.assign(quadrature_mass=quadrature)
     mean = dataset[[]].drop_dims("seed", errors="ignore")
     for name in ("apparent_mass", "quadrature_mass"):
         mean[name], mean[f"{name}_standard_error"] = over_packings(found, name)
@@ -196,12 +204,14 @@ class ComplexMass:
     gamma : (n,) array, increasing [-]
     mass : (k, n) complex array [kg]
     of_modes : whether the frequencies are a structure's modes
+    band : lowest and highest frequency [Hz] that it may be used at, of a card; None: anywhere, with the nearest values
     """
 
     frequency: np.ndarray
     gamma: np.ndarray
     mass: np.ndarray
     of_modes: bool = True
+    band: tuple[float, float] | None = None
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> ComplexMass:
@@ -233,7 +243,15 @@ class ComplexMass:
         mass = mass.dropna("gamma")
         if mass.sizes["gamma"] < 2:
             raise ModalError("a describing function needs results at two Gammas or more: run with a list of gamma")
-        return cls(mass["frequency"].values, mass["gamma"].values, mass.values, "natural_frequency" in dataset)
+        of_modes = "natural_frequency" in dataset or dataset.attrs.get("frequencies") == "modes"
+        band = dataset.attrs.get("frequency_range")
+        return cls(
+            mass["frequency"].values,
+            mass["gamma"].values,
+            mass.values,
+            of_modes,
+            None if band is None else (float(band[0]), float(band[1])),
+        )
 
     def __call__(self, frequency, gamma) -> np.ndarray:
         """Complex mass m' - j m'' at frequencies and Gammas, broadcast against each other [kg].
@@ -261,7 +279,53 @@ class ComplexMass:
             )
         values = self._over_gamma(np.clip(gamma, self.gamma[0], highest))  # (..., k, 2)
         mass = values[..., 0] + 1j * values[..., 1]
-        return np.sum(mass * self._weights(frequency), axis=-1)
+        return np.sum(mass * self.weights(frequency), axis=-1)
+
+    def holds_at(self, frequency) -> np.ndarray:
+        """Whether the mass is known at resonances [Hz], (...) array of bool: anywhere, if it is not that of a card.
+
+        A card made at the modes of a structure holds near these.
+        """
+        frequency = np.asarray(frequency, float)
+        if self.band is None:
+            return np.ones(frequency.shape, bool)
+        if not self.of_modes:
+            return self._in_band(frequency)
+        return np.min(np.abs(frequency[..., None] / self.frequency - 1), axis=-1) <= REACH * (1 + ROUNDING)
+
+    def require_modes_at(self, frequency) -> None:
+        """Refuse resonances [Hz] that a card says nothing about.
+
+        Raises
+        ------
+        ModalError
+            Names the range of the card.
+        """
+        frequency = np.ravel(np.asarray(frequency, float))
+        self.require_in_band(frequency)
+        for f in frequency[~self.holds_at(frequency)]:
+            known = ", ".join(f"{own:.4g}" for own in self.frequency)
+            raise ModalError(
+                f"a mode at {f:.4g} Hz: the card was made at the modes of a structure and holds within "
+                f"{100 * REACH:g} % of {known} Hz: make one from a run with a list of excitation.frequency"
+            )
+
+    def require_in_band(self, frequency) -> None:
+        """Refuse frequencies [Hz] outside the band of a card.
+
+        Raises
+        ------
+        ModalError
+            Names the band.
+        """
+        frequency = np.ravel(np.asarray(frequency, float))
+        for f in frequency[~self._in_band(frequency)]:
+            low, high = self.band
+            raise ModalError(f"{f:.4g} Hz is outside the range of the card, {low:.4g} to {high:.4g} Hz")
+
+    def _in_band(self, frequency: np.ndarray) -> np.ndarray:
+        low, high = self.band or (0.0, np.inf)
+        return (frequency >= low * (1 - ROUNDING)) & (frequency <= high * (1 + ROUNDING))
 
     def within(self, gamma) -> np.ndarray:
         """Whether Gammas lie in the range of the results.
@@ -282,8 +346,8 @@ class ComplexMass:
 
         return PchipInterpolator(self.gamma, np.stack([self.mass.T.real, self.mass.T.imag], axis=-1))
 
-    def _weights(self, frequency) -> np.ndarray:
-        """(..., k) shares of the frequencies in the value at another one."""
+    def weights(self, frequency) -> np.ndarray:
+        """(..., k) shares of the frequencies in the value at another one [Hz]."""
         count = len(self.frequency)
         place = np.interp(np.log(frequency), np.log(self.frequency), np.arange(count))
         below = np.minimum(place.astype(int), max(count - 2, 0))

@@ -184,7 +184,7 @@ def accelerance(
     ------
     ModalError
         If the results have no modes or swept scalars left, if a Gamma is outside their range, or if a frequency is not
-        above 0.
+        above 0 or outside the range of a card.
 
     Examples
     --------
@@ -200,12 +200,15 @@ def accelerance(
     if not mass.within(gamma).all():
         raise ModalError(f"gamma: the results reach from {mass.gamma[0]:g} to {mass.gamma[-1]:g}, {gamma} does not fit")
     resonance = np.array([own.resonances(mass, g) for g in gamma])  # (gamma, 2, mode)
+    _require_known(mass, resonance, band if frequency is None else (np.min(frequency), np.max(frequency)))
     if frequency is None:
-        frequency = _grid(resonance, _band(own, band))
+        frequency = _grid(resonance, _band(own, mass, band))
     frequency = np.asarray(frequency, float)
     if not (np.isfinite(frequency) & (frequency > 0)).all():
         raise ModalError("frequency: expected finite frequencies above 0 Hz")
+    mass.require_in_band(frequency)
     response = 1 / (own.dynamic_mass(frequency) + mass(frequency, gamma[:, None]))
+    resonance = np.where(mass.holds_at(resonance[:, :1]), resonance, np.nan)  # other modes of a card's structure
     out = xr.Dataset(
         {
             "accelerance_real": (("gamma", "frequency"), response.real),
@@ -247,13 +250,15 @@ def constant_force(dataset: xr.Dataset, forces, band=None, *, structure: ModalMo
     Raises
     ------
     ModalError
-        If the results have no modes or swept scalars left, or if a force drives the damper above their highest Gamma.
+        If the results have no modes or swept scalars left, if a force drives the damper above their highest Gamma, or
+        if a frequency is outside the range of a card.
     """
     import xarray as xr
 
     mass, own = ComplexMass.of(dataset), structure or ModalModel.of(dataset)
     resonance = np.array([own.resonances(mass, g) for g in mass.gamma])
-    frequency = _grid(resonance, _band(own, band))
+    _require_known(mass, resonance, band)
+    frequency = _grid(resonance, _band(own, mass, band))
     if not np.size(forces):
         raise ModalError("forces: give an amplitude, or several [N]")
 
@@ -356,14 +361,30 @@ def _bounded(own: ModalModel, mass: ComplexMass, force: float, frequency) -> Non
         )
 
 
-def _band(own: ModalModel, asked) -> tuple[float, float]:
-    """The band that is asked for, or one about all modes."""
+def _band(own: ModalModel, mass: ComplexMass, asked) -> tuple[float, float]:
+    """The band that is asked for, or one about all modes, as far as the damper is known."""
     if asked is None:
-        return 0.5 * float(own.frequency.min()), 1.25 * float(own.frequency.max())
+        low, high = mass.band or (0.0, np.inf)
+        return max(low, 0.5 * float(own.frequency.min())), min(high, 1.25 * float(own.frequency.max()))
     low, high = map(float, asked)
     if not 0 < low < high < np.inf:
         raise ModalError(f"band: expected two frequencies above 0 Hz, the lower one first, got {low:g} and {high:g}")
+    mass.require_in_band([low, high])
     return low, high
+
+
+def _require_known(mass: ComplexMass, resonance: np.ndarray, band) -> None:
+    """Refuse resonances in the band, or all if none is asked for, at which a card holds nothing.
+
+    Modes outside the band that is asked for are its residuals: there the damper does not matter.
+
+    Raises
+    ------
+    ModalError
+    """
+    found = resonance[:, 0]
+    low, high = (0.0, np.inf) if band is None else band
+    mass.require_modes_at(found[(found >= low) & (found <= high)])
 
 
 def _grid(resonance: np.ndarray, band) -> np.ndarray:

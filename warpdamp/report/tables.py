@@ -69,6 +69,25 @@ def summary(dataset: xr.Dataset) -> Table:
     return table
 
 
+def dampers_table(found: xr.Dataset) -> Table:
+    """The largest damping of every mode and where it is, and what each of several dampers adds to it."""
+    dampers = found.sizes["damper"]
+    shares = [f"of damper {k}" for k in range(1, dampers + 1)] if dampers > 1 else []
+    table = _table("mode", "f [Hz]", "Γ", "largest damping ratio", *shares)
+    for mode in found["mode"].values:
+        own = found.sel(mode=mode)
+        ratio = own["damping_ratio"]
+        head = f"{mode}", f"{float(own['natural_frequency']):.2f}"
+        if bool(ratio.isnull().all()):
+            table.add_row(*head, "-", "a damper is shaken outside its card at every Γ", *["-"] * len(shares))
+            continue
+        at = own.isel(gamma=int(ratio.fillna(-1).argmax("gamma")))
+        parts = [f"{part:.4g}" for part in at["damper_share"].values] if shares else []
+        whole = f"{float(at['damping_ratio']):.4g} ± {float(at['damping_ratio_standard_error']):.1g}"
+        table.add_row(*head, f"{float(at['gamma']):g}", whole, *parts)
+    return table
+
+
 def _best(dataset: xr.Dataset) -> Table:
     """Table of the ten cases of highest effectiveness."""
     names = [str(name) for name in dataset.coords if name != "preparation" or dataset[name].ndim]

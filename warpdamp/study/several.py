@@ -71,7 +71,21 @@ def _only(config: Config, damper) -> Config:
 
 def modes_of_all(config: Config, alone: Sequence[Config]) -> list[Modes]:
     """Modes of the structure with the particles of all dampers, as each damper sees them."""
-    first, *further = map(particle_mass, alone)
+    return modes_with(config, list(map(particle_mass, alone)))
+
+
+def modes_with(config: Config, masses: Sequence[float]) -> list[Modes]:
+    """Modes of the structure with particles of given masses [kg] in its dampers, as each damper sees them.
+
+    Raises
+    ------
+    ConfigError
+        If there is not one mass for each damper, or the modes cannot be had.
+    """
+    first, *further = masses
+    if len(further) != len(config.dampers):
+        there = f"the structure carries {1 + len(config.dampers)}, and the cards given are {len(masses)}"
+        raise config.error("dampers", f"{there}: warpdamp damping takes one for each, in their order")
     return seen_by_all(config, modes_of(config, particles=first, further=further))
 
 
