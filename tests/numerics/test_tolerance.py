@@ -11,6 +11,7 @@ from warpdamp import ConfigError, load
 from warpdamp.config.study import PRESETS
 from warpdamp.numerics.steady import degrees_of_freedom, standard_error
 from warpdamp.numerics.tolerance import combined, settings_for, single_interval, step_error, student
+from warpdamp.status import Status
 from warpdamp.sweep.resolve import with_tolerance
 from warpdamp.variables import NOT_RUN
 
@@ -119,4 +120,4 @@ def test_a_tolerance_is_kept_or_said_not_to_be(write):
         write(SMALL + "accuracy: {tolerance: 0.1 %, most_packings: 3}\nsteady_state: {most_cycles: 40}\n")
     )
     assert (tight["within_tolerance"] == 0).any()
-    assert (tight["status"].isel(gamma=1) == 1).any()  # and says so: imprecise
+    assert tight["status"].isel(gamma=1).isin((Status.IMPRECISE, Status.DRIFTING)).all()  # and says so

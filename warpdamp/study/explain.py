@@ -20,6 +20,7 @@ from ..sweep.cases import Cases
 from ..sweep.plan import Fate, make_plan
 from ..sweep.resolve import self_contained, with_tolerance
 from .several import studies
+from .speeds import TOGGLES, recall, without
 
 if TYPE_CHECKING:
     from ..damper.case import Spec
@@ -55,8 +56,6 @@ class Explanation:
 
 def effects_of(config: Config, spec: Spec) -> list[Explanation]:
     """Explanations of all effects of a case."""
-    from .speeds import TOGGLES, recall, without
-
     effects = spec.effects
     called = called_for(spec.scene, spec.bed.grains, precision=effects.precision)
     forced = dict(spec.bed.numerics.forced)
@@ -187,8 +186,6 @@ def _cases(plan: Plan, numbers):
 
 
 def _price(plan: Plan, numbers, workers):
-    from .speeds import recall
-
     cost, group = plan.cost[numbers], plan.group[numbers]
     first = np.isin(numbers, needed_cases(plan, Finished()))
     longer = np.array([criteria.most / criteria.fewest for _, criteria in plan.groups])
