@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..config.build import grains
+from ..config.preparation import carried_path, preparation_word, state_asked
 from ..config.study import Config
 from ..execution.adaptive import needed_cases
 from ..execution.batching import BATCH_COST, MOST_CASES
@@ -174,8 +175,8 @@ def _steps(plan: Plan, numbers):
 def _cases(plan: Plan, numbers):
     cases = plan.cases
     amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
-    preparation = f"{cases.config.preparation} " if "preparation" not in cases.names().values() else ""
-    yield f"  {len(numbers)} cases{amplitudes}; {len(plan.beds)} {preparation}beds"
+    preparation = "" if "preparation" in cases.names().values() else f"{preparation_word(cases.config.preparation)} "
+    yield f"  {len(numbers)} cases{amplitudes}; {len(plan.beds)} {preparation}beds{_prepared(cases.config)}"
     if cases.config.accuracy is not None:
         first = len(needed_cases(plan, Finished()))
         yield f"  of these {first} at first, and more packings of a point until it is within the tolerance"
@@ -192,6 +193,15 @@ def _cases(plan: Plan, numbers):
     modes = next(cases.points()).modes
     if modes is not None and modes.remark:
         yield f"  {modes.remark}"
+
+
+def _prepared(config: Config) -> str:
+    """What beds are brought to, or the way that they are carried; empty where a word says it all."""
+    for name, value in state_asked(config.preparation).items():
+        values = value if isinstance(value, list) else [value]
+        return ": " + ", ".join(f"{1e3 * v:g} mm" if name == "clearance" else f"{v:g}" for v in values)
+    path = carried_path(config.preparation)
+    return f", each through all amplitudes {', then '.join(path)}" if path else ""
 
 
 def _price(plan: Plan, numbers, workers):
