@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from warpdamp import ConfigError, load
+from warpdamp import Config, ConfigError, load
 from warpdamp.config.build import bed
 from warpdamp.config.preparation import carried_path, preparation_word
 from warpdamp.sweep.resolve import shortened
@@ -84,3 +84,11 @@ def test_what_contradicts_itself_is_refused_in_one_line(study, tmp_path, prepara
     said = str(refused.value).replace(str(tmp_path / "study.yaml"), "FILE")
     assert re.match(message, said), said
     assert "\n" not in said
+
+
+def test_the_schema_has_words_and_states():
+    nodes = {
+        node.get("$ref", "words"): node for node in Config.model_json_schema()["properties"]["preparation"]["anyOf"]
+    }
+    assert nodes["words"]["enum"] == ["loose", "compacted", "carried"]
+    assert "#/$defs/PreparationConfig" in nodes

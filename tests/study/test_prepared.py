@@ -10,6 +10,7 @@ from warpdamp import ConfigError
 from warpdamp.analysis.results import write
 from warpdamp.damper.case import REACHED
 from warpdamp.report.curves import draw
+from warpdamp.study.accuracy import points_of
 from warpdamp.study.explain import explain
 
 SMALL = {
@@ -70,6 +71,14 @@ def test_the_state_asked_for_is_swept_like_any_scalar(written):
     messages = np.unique(swept["message"].isel(preparation_clearance=2))
     assert len(messages) == 1
     assert "a clearance of 9.00 mm cannot be reached: this bed has " in messages[0]
+
+
+@pytest.mark.parametrize("preparation", ["carried", "{clearance: 2 mm}"])
+def test_a_study_of_accuracy_prepares_beds_itself(written, preparation):
+    with pytest.raises(
+        ConfigError, match=r"study.yaml:18:1: preparation: is '.*', and a study of accuracy takes loose"
+    ):
+        points_of(warpdamp.load(written(preparation)))
 
 
 def test_a_state_that_cannot_be_reached_is_refused_at_its_key(written):

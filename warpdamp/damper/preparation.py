@@ -52,10 +52,10 @@ def prepare(request: Request) -> Packing:
     >>> round(1e3 * bed.clearance, 1)  # one layer: the height less a diameter, 40 - 7.46 [mm]
     32.5
     """
-    ends = _ends(request) if request.asked else ()
     path = cache_folder("beds") / f"{request.key()}.npz"
     if (stored := _stored(path)) is not None:
         return stored
+    ends = _ends(request) if request.asked else ()  # before the lock, which they may need themselves
     with locked(path.parent / f".lock-{path.name[:2]}", wait=True):  # another process may be making it
         if (stored := _stored(path)) is None:
             stored = brought(request, *ends) if ends else _make(request)

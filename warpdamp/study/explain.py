@@ -175,8 +175,7 @@ def _steps(plan: Plan, numbers):
 def _cases(plan: Plan, numbers):
     cases = plan.cases
     amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
-    preparation = "" if "preparation" in cases.names().values() else f"{preparation_word(cases.config.preparation)} "
-    yield f"  {len(numbers)} cases{amplitudes}; {len(plan.beds)} {preparation}beds{_prepared(cases.config)}"
+    yield f"  {len(numbers)} cases{amplitudes}; {len(plan.beds)} {_beds(cases)}"
     if cases.config.accuracy is not None:
         first = len(needed_cases(plan, Finished()))
         yield f"  of these {first} at first, and more packings of a point until it is within the tolerance"
@@ -195,13 +194,16 @@ def _cases(plan: Plan, numbers):
         yield f"  {modes.remark}"
 
 
-def _prepared(config: Config) -> str:
-    """What beds are brought to, or the way that they are carried; empty where a word says it all."""
-    for name, value in state_asked(config.preparation).items():
-        values = value if isinstance(value, list) else [value]
-        return ": " + ", ".join(f"{1e3 * v:g} mm" if name == "clearance" else f"{v:g}" for v in values)
-    path = carried_path(config.preparation)
-    return f", each through all amplitudes {', then '.join(path)}" if path else ""
+def _beds(cases: Cases) -> str:
+    """Words for the beds: how they are prepared, to what, and the way that they are carried, unless that is swept."""
+    preparation, swept = cases.config.preparation, cases.names().values()
+    if "preparation" in swept:
+        return "beds"
+    path, beds = carried_path(preparation), f"{preparation_word(preparation)} beds"
+    for name, value in state_asked(preparation).items():
+        text = "" if f"preparation_{name}" in swept else f"{1e3 * value:g} mm" if name == "clearance" else f"{value:g}"
+        return f"{beds}: {text}" if text else beds
+    return f"{beds}, each through all amplitudes {', then '.join(path)}" if path else beds
 
 
 def _price(plan: Plan, numbers, workers):

@@ -100,6 +100,11 @@ def coordinate_names(paths) -> dict[Path, str]:
     return {path: name(path) for path in paths}
 
 
+def is_vector(path: Path) -> bool:
+    """Whether a list at a path is one value, of several components."""
+    return "direction" in str(path[-1]) or path[-2:] == ("carried", "path")
+
+
 @functools.cache
 def _schema() -> dict:
     return Config.model_json_schema()

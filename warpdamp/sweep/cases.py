@@ -35,9 +35,9 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..config.build import as_list, bed, drive, grains, particle_mass, scene
-from ..config.preparation import PreparationConfig, carried_path
 from ..errors import ConfigError
-from .axes import CASE, FREQUENCY, GAMMA, LEG, OWN, SEED, Axis, coordinate_names, dotted, leaves, put, tree, tree_copy
+from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, coordinate_names, dotted, leaves, put, tree, tree_copy
+from .carried import leg_axes, refuse_one_amplitude
 from .exclude import Exclusions
 from .reader import read_axes
 
@@ -91,8 +91,7 @@ class Cases:
 
     def __init__(self, config: Config):
         self.config, self.axes = read_axes(config)
-        if isinstance(config.preparation, PreparationConfig) and (path := carried_path(config.preparation)):
-            self.axes.append(Axis(LEG, (), ((),) * len(path)))
+        self.axes += leg_axes(config)
         self.carried = {path for axis in self.axes if axis.name == CASE for path in axis.paths if path in OWN}
         """Which of frequency, gamma and seed change along the dimension ``case``."""
         excitation = self.config.excitation
@@ -105,23 +104,12 @@ class Cases:
         self._modes: dict[str, Modes] = {}
         self._beds: dict = {}
         self._refuse_what_the_tolerance_chooses()
-        self._refuse_to_carry_beds_nowhere()
+        refuse_one_amplitude(self.config, self.axes, self.gammas)
 
     def _refuse_what_the_tolerance_chooses(self) -> None:
         chosen = [path for axis in self.axes for path in axis.paths if path in CHOSEN or path[0] == "accuracy"]
         if self.config.accuracy is not None and chosen:
             raise self.config.error(("sweep",), f"{dotted(chosen[0])} is chosen by accuracy.tolerance for all cases")
-
-    def _refuse_to_carry_beds_nowhere(self) -> None:
-        columns = {path: values for axis in self.axes for path, values in axis.columns().items()}
-        preparations = columns.get(("preparation",), [self.config.preparation])
-        amplitudes = set(columns.get(GAMMA, self.gammas))
-        if any(map(carried_path, preparations)) and len(amplitudes) < 2:
-            raise self.config.error(
-                "preparation",
-                "beds are carried from one amplitude to the next, and excitation.gamma has one, "
-                f"{amplitudes.pop():g}: give several, or take loose or compacted beds",
-            )
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
@@ -242,14 +230,6 @@ class Cases:
                 for _, position in self.numbers(point):
                     if not self.excluded(point, *self.drive_at(point, position)):
                         yield self.spec_at(point, position)[0]
-
-    def leg(self, point: Point) -> int:
-        """Leg of the path of amplitudes that a point belongs to, from 0."""
-        return next((k for axis, k in zip(self.axes, point.index, strict=True) if axis.name == LEG), 0)
-
-    def beside(self, point: Point) -> tuple[int, ...]:
-        """A point's index on the dimensions along which no bed is carried."""
-        return tuple(k for axis, k in zip(self.axes, point.index, strict=True) if axis.name not in (CASE, LEG))
 
     def drive_at(self, point: Point, position: tuple[int, int, int]) -> tuple[float, float, int]:
         """Frequency [Hz], Gamma and seed of a case."""

@@ -24,6 +24,7 @@ from ..config.preparation import carried_path
 from ..config.reading import resolved_yaml
 from ..files import keep
 from ..version import PHYSICS_VERSION, RESULTS_VERSION
+from .carried import beside_legs, leg_of
 from .cases import Cases
 
 if TYPE_CHECKING:
@@ -164,9 +165,9 @@ def _look(plan: Plan, point, groups: dict, positions: dict, carried: dict) -> No
         plan.bed[number] = positions[beds[seed]]
         if path := carried_path(point.config.preparation):
             alike = key({**inputs, "drive": {**inputs["drive"], "acceleration": 0}, "steps_per_cycle": 0})
-            leg, acceleration = cases.leg(point), spec.scene.drive.acceleration
+            leg, acceleration = leg_of(cases.axes, point.index), spec.scene.drive.acceleration
             order = (leg, acceleration if path[leg] == "up" else -acceleration, number)
-            carried.setdefault((alike, cases.beside(point)), []).append((order, inputs))
+            carried.setdefault((alike, beside_legs(cases.axes, point.index)), []).append((order, inputs))
         else:
             plan.keys[number] = key(inputs)
 

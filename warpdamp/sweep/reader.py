@@ -23,6 +23,7 @@ from .axes import (
     coordinate_names,
     dotted,
     get,
+    is_vector,
     leaves,
     put,
     tree,
@@ -99,7 +100,7 @@ class Reader:
             if isinstance(values, list)
             and path not in OWN
             and path[0] in ("materials", "contact", "excitation", "preparation")
-            and not _is_vector(path)
+            and not is_vector(path)
         ]
 
     def _distinct(self, values: list, place) -> list:
@@ -132,7 +133,7 @@ class Reader:
     def _find(self, key: str, place) -> Path:
         parts = tuple(int(part) if part.isdigit() else part for part in key.split("."))
         parts = (*parts[:-1], "seeds") if parts[-1] == "seed" else parts
-        usable = [path for path in self.scalars if path != ("title",) and not _is_vector(path)]
+        usable = [path for path in self.scalars if path != ("title",) and not is_vector(path)]
         matches = [path for path in usable if path[-len(parts) :] == parts]
         if parts in matches:
             return parts
@@ -247,11 +248,6 @@ def _two_decimal_marks(rows: list[Row]) -> int | None:
         if len(marks) > 1:
             return row.line
     return None
-
-
-def _is_vector(path: Path) -> bool:
-    """Whether a list at a path is one value, of several components."""
-    return "direction" in str(path[-1]) or path[-2:] == ("carried", "path")
 
 
 def _at(loc: tuple, path: Path) -> bool:
