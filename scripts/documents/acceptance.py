@@ -23,7 +23,8 @@ from shared import DOCS, ROOT, head, table, write_document
 from warpdamp import Batch, Case, Cylinder, Material, State, Surface, load, run
 from warpdamp.config.build import grains
 from warpdamp.damper.case import Request
-from warpdamp.damper.preparation import prepare, settle
+from warpdamp.damper.preparation import prepare
+from warpdamp.damper.settling import settle
 from warpdamp.engine.ledger import harmonic_work, maximum_energy
 from warpdamp.files import whole_file
 from warpdamp.modal.beam import beam_modes

@@ -21,8 +21,9 @@ from shared import DOCS
 from warpdamp import Batch, Case, Cylinder, Scene, State
 from warpdamp.analysis.results import write
 from warpdamp.damper.case import MOST_BLOCKS
+from warpdamp.damper.compaction import compact, measured_clearance
 from warpdamp.damper.placement import fill, separate
-from warpdamp.damper.preparation import compact, measured_clearance, settle
+from warpdamp.damper.settling import settle
 from warpdamp.numerics.timestep import Numerics, steps_per_cycle
 from warpdamp.scene.paper import COUNT, FREQUENCY, RADIUS, damper
 

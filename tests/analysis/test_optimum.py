@@ -7,11 +7,12 @@ import pytest
 import xarray as xr
 
 from warpdamp.accessor import open_results
-from warpdamp.analysis.optimum import BLOCK_FLUIDISATION, collision_optimum, optimum
+from warpdamp.analysis.optimum import BLOCK_FLUIDISATION, Curves, collision_optimum, optimum
 from warpdamp.analysis.regimes import Regime, regime
 from warpdamp.errors import UsageError
-from warpdamp.numerics.regression import maxima, straight_line
+from warpdamp.numerics.regression import maxima, maxima_of_packings, straight_line
 from warpdamp.report.curves import draw
+from warpdamp.report.tables import summary
 from warpdamp.variables import describe
 
 GAMMA = np.linspace(0.5, 12, 24)
@@ -157,3 +158,115 @@ def test_files_that_are_no_results(tmp_path):
     xr.Dataset({"a": 1}).to_netcdf(tmp_path / "other.nc")
     with pytest.raises(UsageError, match="is not a results file of warpdamp"):
         open_results(tmp_path / "other.nc")
+
+
+def packings(rng, seeds: int, spread: float):
+    """Effectiveness of packings whose optima of collision differ by ``spread``, (gamma, seed), with noise of 0.02."""
+    own = 7.5 + spread * rng.standard_normal(seeds)
+    offset = 0.02 * rng.standard_normal(seeds)
+    return curve(GAMMA[:, None], 2.6, own) + offset + 0.02 * rng.standard_normal((len(GAMMA), seeds))
+
+
+def test_two_sets_of_packings_agree_within_their_errors():
+    """Of twenty pairs of four packings: 47 % within one standard error of the difference, and 85 % within two.
+
+    That is 68 and 95 % less two standard errors of twenty coins.  The errors of the fit alone, which takes points for
+    independent, are too small: 30 and 58 % of forty pairs agree within them.
+    """
+    rng = np.random.default_rng(7)
+    shares = {maxima_of_packings: [], _pooled: []}
+    for _ in range(20):
+        pair = [packings(rng, 4, spread=0.4) for _ in range(2)]
+        for fit, apart in shares.items():
+            one, other = (
+                min(fit(GAMMA, eps, np.full(eps.shape, 0.005)), key=lambda top: abs(top.gamma - 7.5)) for eps in pair
+            )
+            apart.append(abs(one.gamma - other.gamma) / np.hypot(one.gamma_standard_error, other.gamma_standard_error))
+    assert np.mean(np.array(shares[maxima_of_packings]) < 1) > 0.47
+    assert np.mean(np.array(shares[maxima_of_packings]) < 2) > 0.85
+    assert np.mean(np.array(shares[_pooled]) < 2) < 0.8
+
+
+def _pooled(gamma, height, error):
+    return maxima(np.repeat(gamma[:, None], height.shape[1], axis=1), height, error)
+
+
+def test_heights_are_known_no_better_than_the_points_claim(mapped):
+    """The energy's mean has an error of 8 %, as a single packing: 0.04 of a height of 0.5."""
+    claimed = mapped.assign(
+        energy_mean=mapped["effectiveness"].mean("seed"),
+        energy_mean_standard_error=0.08 * mapped["effectiveness"].mean("seed"),
+    ).isel(frequency=[8])
+    height, error = (optimum(claimed)[f"effectiveness_fluidisation{s}"].item() for s in ("", "_standard_error"))
+    assert error == pytest.approx(0.08 * height, rel=0.05)
+    assert optimum(mapped.isel(frequency=[8]))["effectiveness_fluidisation_standard_error"] < 0.3 * error
+
+
+def test_a_damping_ratio_has_its_optimum_where_the_effectiveness_has(mapped):
+    """zeta = inherent + (2 / pi) eps m phi^2, packing by packing: one straight line from height to height."""
+    few = mapped.isel(frequency=[6, 8]).assign(
+        energy_dissipated=mapped["effectiveness"],
+        energy_dissipated_standard_error=mapped["effectiveness_standard_error"],
+        energy_mean=mapped["effectiveness"].mean("seed"),
+        energy_mean_standard_error=0.0 * mapped["effectiveness"].mean("seed"),
+    )
+    modes = {"frequency": "mode"}
+    zeta = 0.001 + 0.02 * few["energy_mean"].rename(modes).drop_vars("mode")
+    few = few.assign(
+        damping_ratio=zeta.assign_coords(mode=[1, 2]),
+        damping_ratio_standard_error=0.0 * zeta,
+        inherent_damping=("mode", [0.001, 0.001]),
+        natural_frequency=("mode", few["frequency"].values),
+    )
+    of_mode, of_frequency = optimum(few, "damping_ratio"), optimum(few)
+    for which in ("fluidisation", "collision"):
+        ratio, eps = of_mode[f"damping_ratio_{which}"].values, of_frequency[f"effectiveness_{which}"].values
+        np.testing.assert_allclose(ratio, 0.001 + 0.02 * eps, rtol=1e-3)  # widths of the fit are found to that
+        places = [found[f"gamma_{which}"].values for found in (of_mode, of_frequency)]
+        np.testing.assert_allclose(*places, atol=0.1)  # the fine grid's step
+
+
+def one_curve(height, **changes):
+    """A Dataset of one curve over Gamma, at 40 Hz."""
+    dims = ("frequency", "gamma")
+    height = np.broadcast_to(height, GAMMA.shape)[None]
+    values = {"effectiveness": height, "effectiveness_standard_error": np.full(height.shape, 0.01)}
+    values |= {"clearance": np.full(height.shape, CLEARANCE), "status": np.zeros(height.shape, int)} | changes
+    data = {name: (dims, np.broadcast_to(value, height.shape)) for name, value in values.items()}
+    return xr.Dataset(data, {"frequency": [40.0], "gamma": GAMMA, "seed": 1})
+
+
+@pytest.mark.parametrize(
+    ("dataset", "fluidisation", "collision"),
+    [
+        (one_curve(1 / (1 + GAMMA)), "falls from Γ 0.5, the edge of what was run", "no maximum stands out"),
+        (one_curve(GAMMA / 20), "no maximum stands out", "still rises at Γ 12, the edge of what was run"),
+        (one_curve(np.exp(-(((GAMMA - 2.6) / 2) ** 2)), clearance=np.nan), 2.6, "no clearance between floor and lid"),
+        (one_curve(np.exp(-(((GAMMA - 2.6) / 2) ** 2)), clearance=0.1), 2.6, "expected at Γ 206, not among those run"),
+        (one_curve(curve(GAMMA, 2.0, 10.5), clearance=0.1), 2.0, "expected at Γ 206"),  # whatever stands out at 10.5
+        (one_curve(curve(GAMMA, 2.6, 7.5)).isel(gamma=[1, 5, 9]), "fewer than four", "fewer than four amplitudes"),
+    ],
+)
+def test_what_a_curve_does_not_have_is_said_in_words(dataset, fluidisation, collision):
+    found = Curves(dataset).optima({"frequency": 0})
+    for which, expected in (("fluidisation", fluidisation), ("collision", collision)):
+        if isinstance(expected, str):
+            assert expected in found[which]
+        else:
+            assert found[which].gamma == pytest.approx(expected, abs=0.2)
+
+
+def test_the_table_names_optima_of_the_fit_and_says_which_point_is_the_largest(mapped):
+    """One packing's outlier is the largest point, and not the optimum, which eq. 1 puts at 6.9."""
+    noisy = mapped.isel(frequency=[5]).copy(deep=True)
+    noisy["effectiveness"][0, 17, 0] += 0.8  # at Gamma 9
+    table = summary(noisy)
+    heads = [column.header for column in table.columns]
+    assert heads[-3:] == ["fluidisation", "two-sided collision", "largest of the points run"]
+    fluidisation, collision, largest = (next(iter(column.cells)) for column in table.columns[-3:])
+    assert fluidisation.startswith("Γ 2.")
+    assert largest.startswith("Γ 9: ")
+    found = optimum(noisy)
+    gamma, error = (found[f"gamma_collision{s}"].item() for s in ("", "_standard_error"))
+    assert collision.startswith(f"Γ {gamma:.3g} ± {error:.1g}: ")
+    assert abs(gamma - 6.9) < 2 * error < abs(gamma - 9)

@@ -44,7 +44,7 @@ def test_the_papers_study_runs_shortened(quick):
 
 def test_it_says_what_came_out(quick):
     _, done = quick
-    for word in ("mode", "phi", "peaks of the damping ratio", "39.50", "energy ledger: residual at most"):
+    for word in ("mode", "phi", "optima of the damping ratio", "39.50", "energy ledger: residual at most"):
         assert word in done.stdout
     assert "cases 100 %" in done.stderr
     assert "CUDA" not in done.stderr

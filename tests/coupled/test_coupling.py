@@ -111,7 +111,7 @@ def test_two_modes_superpose(empty):
 
 def test_particles_that_move_along_weigh_on_the_mode(make_scene, loose_positions):
     """A bed at rest under gravity, shaken well below Gamma 1: w_n = w0 / sqrt(1 + phi^2 m)."""
-    from warpdamp.damper.preparation import settle
+    from warpdamp.damper.settling import settle
 
     scene = make_scene(enclosure=Cylinder(0.04, 0.04), gravity=(0, 0, -9.81))
     bed = settle(scene, State.at_rest(loose_positions(1), RADIUS))

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from warpdamp import Batch, Case, Cylinder, Drive, State
-from warpdamp.damper.preparation import settle
+from warpdamp.damper.settling import settle
 from warpdamp.engine.ledger import apparent_mass, harmonic_work, maximum_energy
 from warpdamp.numerics.timestep import steps_per_cycle
 from warpdamp.scene.paper import RADIUS

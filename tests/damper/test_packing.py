@@ -8,17 +8,17 @@ from scipy.spatial.distance import pdist
 
 from conftest import ROOT
 from warpdamp import Cylinder, Grains, Material, PackingError, Request, Scene, State, Surface, prepare
-from warpdamp.damper import preparation as packing
+from warpdamp.damper import compaction, settling
 from warpdamp.damper.case import REACHED, SOFT_OVERLAP, WINDOW
-from warpdamp.damper.placement import fill, separate
-from warpdamp.damper.preparation import (
+from warpdamp.damper.compaction import (
     frictionless,
     measured_clearance,
     no_longer_rises,
     packing_fraction,
-    settle,
     shaking,
 )
+from warpdamp.damper.placement import fill, separate
+from warpdamp.damper.settling import settle
 from warpdamp.files import cache_folder
 from warpdamp.numerics.timestep import Numerics, expected_speed
 from warpdamp.scene.contact import impact_overlap
@@ -77,11 +77,11 @@ def test_a_jam_that_gains_energy_is_settled_at_a_finer_step(damper, caplog, monk
     with np.load(DATA / "jam.npz") as file:
         jam = State.from_arrays(dict(file))
     scene, coarse = damper(), Numerics(steps_per_contact=12.0)
-    with caplog.at_level(logging.INFO, "warpdamp.damper.preparation"):
+    with caplog.at_level(logging.INFO, "warpdamp.damper.settling"):
         rested = settle(scene, jam, coarse)
     assert "again with 24 steps a contact" in caplog.text
     assert np.abs(rested.velocity).max() < 0.02
-    monkeypatch.setattr(packing, "HALVINGS", 0)
+    monkeypatch.setattr(settling, "HALVINGS", 0)
     with pytest.raises(PackingError, match="the bed gained energy from nowhere"):
         settle(scene, jam, coarse)
 
@@ -171,8 +171,8 @@ def test_friction_is_off_while_a_bed_is_compacted_and_restitution_stays(make_sce
 def test_moduli_are_lowered_to_the_overlap_allowed_and_never_raised(make_scene, modulus):
     scene = make_scene(enclosure=CAVITY, gravity=(0, 0, -9.81), material=Material(920, modulus, 0.37))
     state = State.at_rest(separate(PAPER.radius, CAVITY, 1), RADIUS)
-    speed = expected_speed(scene.driven(shaking(scene, state.radius, packing.SHAKING_AMPLITUDE)), state.radius)
-    soft = packing._soft(scene, state)
+    speed = expected_speed(scene.driven(shaking(scene, state.radius, compaction.SHAKING_AMPLITUDE)), state.radius)
+    soft = compaction.soft_contacts(scene, state)
     wanted = max(SOFT_OVERLAP, impact_overlap(scene, speed))
     assert impact_overlap(soft, speed) == pytest.approx(wanted, rel=1e-9)
 
@@ -180,7 +180,7 @@ def test_moduli_are_lowered_to_the_overlap_allowed_and_never_raised(make_scene, 
 def test_a_compacted_bed_has_more_clearance_than_a_loose_one_and_says_how_it_ended(small):
     loose, compacted = (prepare(Request(small(), SMALL, 1, how)) for how in ("loose", "compacted"))
     assert (loose.blocks, loose.settled) == (0, True)
-    assert 2 * WINDOW <= compacted.blocks <= packing.MOST_BLOCKS
+    assert 2 * WINDOW <= compacted.blocks <= compaction.MOST_BLOCKS
     assert compacted.settled
     assert np.abs(compacted.state.velocity).max() < 0.02
     assert compacted.clearance > loose.clearance
@@ -188,7 +188,7 @@ def test_a_compacted_bed_has_more_clearance_than_a_loose_one_and_says_how_it_end
 
 
 def test_a_bed_that_still_rises_after_the_last_block_says_so(small, monkeypatch, caplog):
-    monkeypatch.setattr(packing, "MOST_BLOCKS", 2 * WINDOW - 1)  # too few to tell
+    monkeypatch.setattr(compaction, "MOST_BLOCKS", 2 * WINDOW - 1)  # too few to tell
     bed = prepare(Request(small(), SMALL, 2, "compacted"))
     assert not bed.settled
     assert f"still compacting after {2 * WINDOW - 1} blocks" in caplog.text

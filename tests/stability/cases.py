@@ -23,7 +23,7 @@ from warpdamp import (
     prepare,
 )
 from warpdamp.damper.placement import separate
-from warpdamp.damper.preparation import settle
+from warpdamp.damper.settling import settle
 from warpdamp.engine.checks import DEEPEST, LARGEST_RESIDUAL, residual_share
 from warpdamp.engine.ledger import Ledger
 from warpdamp.kernels.columns import KernelStatus

@@ -14,6 +14,7 @@ from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
 from warpdamp.modal.from_config import modes, seen_by_all
 from warpdamp.modal.mode_csv import read_csv
+from warpdamp.report.tables import summary
 from warpdamp.study.explain import explain
 from warpdamp.study.several import every_damper, modes_of_all, studies
 
@@ -67,6 +68,9 @@ def test_two_equal_dampers_at_one_place_are_twice_one(write):
     np.testing.assert_allclose(added, by_one * [[2], [1]], rtol=1e-12)
     assert (two["damper_share"].sel(damper=2, mode=2) == 0).all()
     assert (two["energy_mean"].sel(damper=2).isel(frequency=1) == 0).all()
+    columns = {column.header: list(column.cells) for column in summary(two).columns}
+    assert columns["two-sided collision"] == ["none: several dampers, each with its own"] * 2
+    assert all(text.startswith("Γ ") for text in columns["largest of the points run"])
 
 
 def test_a_damper_is_shaken_as_hard_as_its_place_moves(write):

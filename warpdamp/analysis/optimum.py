@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..numerics.regression import Maximum, maxima
+from ..errors import UsageError
+from ..numerics.regression import Maximum, maxima_of_packings
 from ..scene.scene import STANDARD_GRAVITY
+from .results import over_packings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -93,11 +96,100 @@ def collision_optimum(frequency, clearance, *, gravity: bool = True):
     return 4 * np.pi * np.asarray(frequency) ** 2 * clearance / STANDARD_GRAVITY + (BLOCK_INTERCEPT if gravity else 0.0)
 
 
+MOST_MISS = 3.0
+"""A maximum further than this factor from the Gamma expected of a motion is not called that motion's."""
+
+MOTIONS = ("fluidisation", "collision")
+
+
+class Curves:
+    """Curves of a variable over Gamma, packing by packing.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Results with the dimension ``gamma``.
+    of : str
+        Variable with a ``_standard_error``.
+
+    Raises
+    ------
+    ValueError
+        If Gamma is not a dimension.
+    """
+
+    def __init__(self, dataset: xr.Dataset, of: str = "effectiveness"):
+        if "gamma" not in dataset[of].dims:
+            raise UsageError("an optimum needs a curve: gamma is not a dimension of this Dataset")
+        self.dataset = dataset
+        self.value, self.error = _of_packings(dataset, of)
+        given = dataset[of], dataset[f"{of}_standard_error"]
+        self.mean, self.claimed = given if of == "damping_ratio" else over_packings(dataset, of)
+        self.dims = [dim for dim in self.value.dims if dim not in ("gamma", "seed")]
+        self.gamma = dataset["gamma"].values
+        self.packings = self.value.sizes.get("seed", 1)
+
+    def optima(self, at: dict[str, int]) -> dict[str, Maximum | str]:
+        """Maxima of the curve at an index along ``dims``, by the motion that they belong to, or why there is none."""
+        if "damper" in self.dataset.dims:
+            return dict.fromkeys(MOTIONS, "several dampers, each with its own")
+        value, error = (_by_gamma_and_seed(array.isel(at)) for array in (self.value, self.error))
+        mean, claimed = (_by_gamma_and_seed(array.isel(at))[:, 0] for array in (self.mean, self.claimed))
+        expected = self._expected(at)
+        tops = [self._as_claimed(top, claimed) for top in maxima_of_packings(self.gamma, value, error)]
+        called = _called(tops, expected)
+        return {which: called.get(which) or _why_none(which, expected, self.gamma, mean) for which in MOTIONS}
+
+    def _as_claimed(self, top: Maximum, claimed: np.ndarray) -> Maximum:
+        """A maximum whose height is known no better than the points near it are claimed to be."""
+        known = np.isfinite(claimed)
+        if not known.any():
+            return top
+        order = np.argsort(self.gamma[known])
+        near = float(np.interp(top.gamma, self.gamma[known][order], claimed[known][order]))
+        return replace(top, height_standard_error=max(top.height_standard_error, near))
+
+    def _expected(self, at: dict[str, int]) -> dict[str, float]:
+        """Gamma at which a plastic block has each maximum; none of collision where there is no clearance."""
+        expected = {"fluidisation": BLOCK_FLUIDISATION}
+        if "clearance" not in self.dataset:
+            return expected
+        clearance = self.dataset["clearance"]
+        here = {"frequency" if dim == "mode" else dim: k for dim, k in at.items()}
+        clearance = float(clearance.isel({dim: k for dim, k in here.items() if dim in clearance.dims}).mean())
+        frequency = _frequency(self.dataset, at)
+        if math.isfinite(clearance) and math.isfinite(frequency):
+            expected["collision"] = float(collision_optimum(frequency, clearance))
+        return expected
+
+
+def _by_gamma_and_seed(array: xr.DataArray) -> np.ndarray:
+    array = array if "seed" in array.dims else array.expand_dims("seed")
+    return array.transpose("gamma", "seed").values
+
+
+def _of_packings(dataset: xr.Dataset, of: str) -> tuple[xr.DataArray, xr.DataArray]:
+    """A variable and its standard error; a damping ratio, which is one of all packings, packing by packing."""
+    value, error = dataset[of], dataset[f"{of}_standard_error"]
+    if of != "damping_ratio" or "energy_dissipated" not in dataset:
+        return value, error
+
+    def of_mode(name: str) -> xr.DataArray:
+        array = dataset[name].drop_vars("frequency", errors="ignore").rename(frequency="mode")
+        return array.assign_coords(mode=dataset["mode"])
+
+    per_joule = (value - dataset["inherent_damping"]) / of_mode("energy_mean")
+    packings = dataset["inherent_damping"] + per_joule * of_mode("energy_dissipated")
+    return packings, per_joule * of_mode("energy_dissipated_standard_error")
+
+
 def optimum(dataset: xr.Dataset, of: str = "effectiveness") -> xr.Dataset:
     """Gamma of fluidisation and of two-sided collision, with standard errors, for every curve of a Dataset.
 
     A maximum is assigned to the nearer, in ratio, of what a plastic block predicts: 2.58, and eq. 1 with the clearance
-    measured; of two, the lower is that of fluidisation.
+    measured; of two, the lower is that of fluidisation.  None is called after a motion whose Gamma is expected at more
+    than three times, or less than a third, of its own.  Standard errors hold for other packings too, as far as those
+    that were run differ from each other.
 
     Parameters
     ----------
@@ -121,33 +213,18 @@ def optimum(dataset: xr.Dataset, of: str = "effectiveness") -> xr.Dataset:
 
     if "damper" in dataset.dims:
         raise ValueError("results of several dampers: an optimum is of one, as `warpdamp collect` gives each")
-    value, error = dataset[of], dataset[f"{of}_standard_error"]
-    if "gamma" not in value.dims:
-        raise ValueError("an optimum needs a curve: gamma is not a dimension of this Dataset")
-    inner = [dim for dim in ("gamma", "seed") if dim in value.dims]
-    outer = [dim for dim in value.dims if dim not in inner]
-    clearance = dataset["clearance"].mean([dim for dim in dataset["clearance"].dims if dim not in outer])
-    names = [
-        f"{what}_{which}{s}"
-        for which in ("fluidisation", "collision")
-        for what in ("gamma", of)
-        for s in ("", "_standard_error")
-    ]
-    shape = tuple(value.sizes[dim] for dim in outer)
+    curves = Curves(dataset, of)
+    columns = {"gamma": "gamma", of: "height"}
+    names = [f"{what}_{which}{s}" for which in MOTIONS for what in columns for s in ("", "_standard_error")]
+    shape = tuple(curves.value.sizes[dim] for dim in curves.dims)
     table = {name: np.full(shape, np.nan) for name in names}
     for index in np.ndindex(shape):
-        at = dict(zip(outer, index, strict=True))
-        curve, noise = value.isel(at).transpose(*inner), error.isel(at).transpose(*inner)
-        gammas = np.broadcast_to(dataset["gamma"].values.reshape(-1, *[1] * (curve.ndim - 1)), curve.shape)
-        frequency = _frequency(dataset, at)
-        free_travel = clearance.isel({dim: k for dim, k in at.items() if dim in clearance.dims})
-        for which, top in _called(maxima(gammas, curve.values, noise.values), frequency, float(free_travel)).items():
-            table[f"gamma_{which}"][index] = top.gamma
-            table[f"gamma_{which}_standard_error"][index] = top.gamma_standard_error
-            table[f"{of}_{which}"][index] = top.height
-            table[f"{of}_{which}_standard_error"][index] = top.height_standard_error
-    coords = {name: c for name, c in dataset.coords.items() if set(c.dims) <= set(outer)}
-    result = xr.Dataset({name: (outer, values) for name, values in table.items()}, coords)
+        for which, top in curves.optima(dict(zip(curves.dims, index, strict=True))).items():
+            for what, attribute in columns.items() if isinstance(top, Maximum) else ():
+                for s in ("", "_standard_error"):
+                    table[f"{what}_{which}{s}"][index] = getattr(top, f"{attribute}{s}")
+    coords = {name: c for name, c in dataset.coords.items() if set(c.dims) <= set(curves.dims)}
+    result = xr.Dataset({name: (curves.dims, values) for name, values in table.items()}, coords)
     for name in result.data_vars:
         result[name].attrs.update(units="1", long_name=name.replace("_", " "))
     return result
@@ -165,20 +242,42 @@ def _frequency(dataset, at) -> float:
     return float(frequency.isel({dim: k for dim, k in at.items() if dim in frequency.dims}).mean())
 
 
-def _called(tops: list[Maximum], frequency: float, clearance: float) -> dict[str, Maximum]:
+def _called(tops: list[Maximum], expected: dict[str, float]) -> dict[str, Maximum]:
     """Maxima by the motion that they belong to."""
-    expected = {"fluidisation": BLOCK_FLUIDISATION}
-    if math.isfinite(clearance) and math.isfinite(frequency):
-        expected["collision"] = float(collision_optimum(frequency, clearance))
 
     def miss(which, top):
         return abs(math.log(top.gamma / expected[which]))
 
-    if len(tops) > 1 and "collision" in expected:
-        pairs = [(a, b) for i, a in enumerate(tops) for b in tops[i + 1 :]]
+    def plausible(which, top):
+        return which in expected and miss(which, top) <= math.log(MOST_MISS)
+
+    pairs = [
+        (low, high)
+        for low, high in itertools.combinations(tops, 2)
+        if plausible("fluidisation", low) and plausible("collision", high)
+    ]
+    if pairs:
         low, high = min(pairs, key=lambda pair: miss("fluidisation", pair[0]) + miss("collision", pair[1]))
         return {"fluidisation": low, "collision": high}
-    if not tops:
-        return {}
-    top = max(tops, key=lambda top: top.height)
-    return {min(expected, key=lambda which: miss(which, top)): top}
+    for top in sorted(tops, key=lambda top: -top.height):
+        which = min(expected, key=lambda which: miss(which, top))
+        if plausible(which, top):
+            return {which: top}
+    return {}
+
+
+def _why_none(which: str, expected: dict[str, float], gamma: np.ndarray, mean: np.ndarray) -> str:
+    """Why a curve has no maximum of a motion."""
+    known = np.isfinite(mean)
+    if len(np.unique(gamma[known])) < 4:
+        return "fewer than four amplitudes"
+    low, high = float(gamma[known].min()), float(gamma[known].max())
+    if which not in expected:
+        return "no clearance between floor and lid"
+    if not low <= expected[which] <= high:
+        return f"expected at Γ {expected[which]:.3g}, not among those run"
+    largest = float(gamma[known][np.argmax(mean[known])])
+    if largest == (low if which == "fluidisation" else high):
+        way = "falls from" if largest == low else "still rises at"
+        return f"the curve {way} Γ {largest:g}, the edge of what was run"
+    return "no maximum stands out"

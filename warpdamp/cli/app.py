@@ -42,7 +42,7 @@ def run(
     ] = None,
     limit: Annotated[float | None, typer.Option(min=1, help="Seconds after which a batch counts as hanging.")] = None,
 ) -> None:
-    """Run a study, or what is left of it: one netCDF file, a picture, and a table of the peaks.
+    """Run a study, or what is left of it: one netCDF file, a picture, and a table of the optima.
 
     Every batch of cases is stored in OUTPUT/CONFIG as soon as it is done; the same command continues from there.
     """

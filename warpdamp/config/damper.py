@@ -6,7 +6,7 @@ import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, StrictInt, TypeAdapter, create_model, field_validator, model_validator
+from pydantic import BeforeValidator, Field, StrictInt, create_model, field_validator, model_validator
 
 from ..scene.effects import FORCIBLE
 from ..scene.particles import sphere_volume
@@ -14,23 +14,10 @@ from .base import NOT_NEGATIVE as _not_negative
 from .base import POSITIVE as _positive
 from .base import Model
 from .quantities import Acceleration, Density, Frequency, Length, Number, Pressure
-from .sweep import Range
+from .sweep import swept as _swept
 
 WALLS = "walls"
 """Stands for the enclosure in the keys of ``contact.pairs``."""
-
-
-def _swept(kind, *constraints):
-    """One value, or a list or range of different ones that becomes an axis."""
-    scalar = Annotated[kind, *constraints]
-    scalar_or_list = scalar | Annotated[list[scalar], Field(min_length=1)]
-
-    def spread(value):
-        if not isinstance(value, dict):
-            return value
-        return Range.model_validate(value).spread(TypeAdapter(kind).validate_python)
-
-    return Annotated[scalar_or_list, BeforeValidator(spread, json_schema_input_type=scalar_or_list | Range)]
 
 
 def between(key: str) -> tuple[str, str]:

@@ -9,6 +9,7 @@ from pydantic import (
     Field,
     PrivateAttr,
     StrictInt,
+    field_validator,
     model_validator,
 )
 
@@ -20,6 +21,7 @@ from .base import Model
 from .coupled import CoupledConfig
 from .damper import WALLS, ContactConfig, DamperConfig, EffectsConfig, ExcitationConfig, MaterialConfig, between
 from .messages import keys, place, suggestion
+from .preparation import PreparationConfig, Word, carried_path, check_preparation, read_preparation
 from .quantities import Number, Time
 from .structure import FurtherDamperConfig, StructureConfig, check_further
 from .sweep import SweepConfig
@@ -79,7 +81,7 @@ class Config(Model):
     ]
     contact: ContactConfig
     excitation: ExcitationConfig
-    preparation: Literal["loose", "compacted", "carried"] = "compacted"
+    preparation: Word | PreparationConfig = "compacted"
     steady_state: SteadyConfig = SteadyConfig()
     accuracy: AccuracyConfig | None = None
     effects: EffectsConfig = EffectsConfig()
@@ -90,6 +92,11 @@ class Config(Model):
     coupled: CoupledConfig | None = None
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
+
+    @field_validator("preparation", mode="wrap")
+    @classmethod
+    def _word_or_state(cls, value, _):
+        return read_preparation(value)
 
     def error(self, key: str | tuple, message: str) -> ConfigError:
         """Error at a key (dotted, or as a tuple), with file, line and column if the configuration has a file."""
@@ -131,8 +138,6 @@ class Config(Model):
         if self.excitation.frequency == "modes" and not self.structure:
             raise ValueError("excitation.frequency: 'modes' needs a structure; give frequencies, as [46 Hz, 100 Hz]")
         gravities = self.excitation.gravity if isinstance(self.excitation.gravity, list) else [self.excitation.gravity]
-        if self.preparation == "compacted" and 0 in gravities:
-            raise ValueError("preparation: a bed cannot be compacted without gravity; set preparation: loose")
         if len(set(self.seeds)) < len(self.seeds):
             raise ValueError("seeds: each seed once")
         self._check_dampers()
@@ -148,6 +153,7 @@ class Config(Model):
                     raise ValueError(
                         f"{cavity}.enclosure.{name}: gravity draws the particles out where there is no {name}"
                     )
+        check_preparation(self.preparation, {name: damper.enclosure for name, damper in cavities.items()}, gravities)
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
             raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
         return self
@@ -164,7 +170,7 @@ class Config(Model):
             raise ValueError("excitation.frequency: several dampers are shaken at the structure's modes: leave it out")
         if self.sweep:
             raise ValueError("sweep: is for one damper: run one combination of several dampers at a time")
-        if self.preparation == "carried":
+        if carried_path(self.preparation):
             raise ValueError("preparation: 'carried' is for one damper: several take loose or compacted beds")
 
 

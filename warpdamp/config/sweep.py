@@ -6,7 +6,18 @@ from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictFloat, StrictInt, StrictStr, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    StrictBool,
+    StrictFloat,
+    StrictInt,
+    StrictStr,
+    TypeAdapter,
+    model_validator,
+)
 
 Scalar = StrictBool | StrictInt | StrictFloat | StrictStr
 Quantity = StrictInt | StrictFloat | StrictStr
@@ -50,6 +61,19 @@ class Range(_Model):
             return spread(first, last, np.linspace(0, 1, self.n), logarithmic=True)
         _check_ends(first, last)
         return _alike(np.linspace(first, last, self.n), first, last)
+
+
+def swept(kind, *constraints):
+    """One value, or a list or range of different ones that becomes an axis."""
+    scalar = Annotated[kind, *constraints]
+    scalar_or_list = scalar | Annotated[list[scalar], Field(min_length=1)]
+
+    def spread(value):
+        if not isinstance(value, dict):
+            return value
+        return Range.model_validate(value).spread(TypeAdapter(kind).validate_python)
+
+    return Annotated[scalar_or_list, BeforeValidator(spread, json_schema_input_type=scalar_or_list | Range)]
 
 
 def spread(first, last, part, *, logarithmic: bool) -> list:

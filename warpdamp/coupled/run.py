@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..config.build import grains, particle_mass, scene
+from ..config.build import bed, grains, particle_mass, scene
+from ..config.preparation import carried_path
 from ..damper.case import Request
 from ..damper.preparation import prepare
 from ..engine import checks as guards
@@ -148,7 +149,7 @@ def _runs(config: Config) -> tuple[dict[tuple[int, int], Run], list[Signal | Non
     runs = {}
     for i, host in enumerate(hosts):
         for j, seed in enumerate(config.seeds):
-            request = Request(base, beds, seed, config.preparation, numerics=numerics)
+            request = Request(base, beds, seed, numerics=numerics, **bed(config))
             runs[i, j] = Run(request, base.on_host(replace(host, record=between)), dt, steps)
     return runs, signals
 
@@ -174,7 +175,7 @@ def _single(config: Config) -> Config:
         raise config.error("accuracy", "is for `warpdamp run`: give numerics.steps_per_contact and seeds instead")
     if config.numerics.step != "auto":
         raise config.error("numerics.step", "is chosen here: give numerics.steps_per_contact instead")
-    if config.preparation == "carried":
+    if carried_path(config.preparation):
         raise config.error("preparation", "'carried' is for studies of several amplitudes: take loose or compacted")
     points = [point for point in Cases(config).points() if not point.refused]
     if len(points) != 1:

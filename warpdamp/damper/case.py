@@ -1,4 +1,4 @@
-"""Inputs of a bed and of a case, and the recipe by which beds are compacted."""
+"""Inputs of a bed and of a case, a bed that is ready, and the recipe by which beds are compacted."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Literal
 from ..errors import PackingError
 from ..numerics.timestep import STEPS_PER_CONTACT, Numerics
 from ..scene.effects import Effects, called_for
-from ..scene.particles import Grains
+from ..scene.particles import Grains, State
 from ..scene.scene import Scene
 from ..version import PHYSICS_VERSION
 
@@ -107,6 +107,27 @@ class Request:
         """Hash of the inputs, the recipe, and the version of the physics."""
         values = asdict(self) | {"scene": asdict(self.scene.driven(None)), "physics": PHYSICS_VERSION, "recipe": RECIPE}
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:24]
+
+
+@dataclass(frozen=True)
+class Packing:
+    """Prepared bed at rest.
+
+    Parameters
+    ----------
+    state : State
+    clearance : float [m]
+        How far its centre of mass travels between rest on the floor and rest against the lid.
+    blocks : int
+        Blocks of shaking that it took (0: loose).
+    settled : bool
+        Whether the rule that ends its preparation was met; false if it was still compacting after the last block.
+    """
+
+    state: State
+    clearance: float
+    blocks: int
+    settled: bool = True
 
 
 @dataclass(frozen=True)

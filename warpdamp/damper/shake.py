@@ -21,8 +21,9 @@ from ..scene.particles import State
 from ..scene.scene import Drive, Scene
 from ..status import Status
 from .case import Criteria, Spec
+from .compaction import measured_clearance, packing_fraction
 from .placement import fill
-from .preparation import measured_clearance, packing_fraction, prepare
+from .preparation import prepare
 
 FIRST_LOOKS, LOOKS = 10, 1.25
 """A series is looked at every ten cycles at first, and later whenever it has grown by a quarter."""

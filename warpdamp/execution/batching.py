@@ -38,7 +38,7 @@ PATIENCE = 300.0
 
 
 def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list[int]]]:
-    """Batches of chains of case numbers, of one group each, the most expensive first.
+    """Batches of chains of case numbers, of one group and length each, the most expensive first.
 
     A chain of which any case is to be run is run whole; cases with one key are run once.
     """
@@ -57,7 +57,7 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list
     open_batches: dict[tuple, tuple[list, float]] = {}
     for head in order:
         chain = members[head]
-        group = int(plan.group[head]), int(plan.bed[head]) if by_bed else -1
+        group = int(plan.group[head]), len(chain), int(plan.bed[head]) if by_bed else -1
         batch, cost = open_batches.pop(group, ([], 0.0))
         batch.append(chain)
         cost += costs[head]
@@ -72,7 +72,7 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list
 
 
 def _members(plan: Plan, heads: np.ndarray) -> dict[int, list[int]]:
-    """Numbers of the cases of each chain, by rising amplitude."""
+    """Numbers of the cases of each chain, in the order in which they run."""
     alone = np.bincount(plan.chain, minlength=len(plan.chain)) == 1
     members = {int(head): [int(head)] for head in heads if alone[head]}
     longer = {int(head): [] for head in heads if not alone[head]}
@@ -81,7 +81,7 @@ def _members(plan: Plan, heads: np.ndarray) -> dict[int, list[int]]:
             if plan.chain[number] in longer:
                 longer[int(plan.chain[number])].append(int(number))
         for chain in longer.values():
-            chain.sort(key=lambda number: (plan.cases.acceleration(number), number))
+            chain.sort(key=lambda number: plan.turn[number])
     return members | longer
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,63 @@ def maxima(gamma, height, standard_error) -> list[Maximum]:
     draws = mean + rng.standard_normal((DRAWS, FINE)) @ np.linalg.cholesky(covariance + jitter).T
     spread = np.sqrt(np.maximum(np.diag(covariance), 0))
     return _maxima(fine**2, mean, spread, draws)
+
+
+def maxima_of_packings(gamma, height, standard_error) -> list[Maximum]:
+    """Maxima of a curve measured on several packings, with errors that hold for other packings, too.
+
+    Every packing has an optimum of its own, so points of one curve do not err independently.  Each packing is left out
+    in turn (the jackknife: Efron & Stein 1981, doi:10.1214/aos/1176345462); where that scatters more than the fit's
+    posterior says, it is the standard error, widened for few packings as Student's t is.
+
+    Parameters
+    ----------
+    gamma : (n,) array
+        Amplitudes.
+    height, standard_error : (n, packings) arrays
+        Curves, NaN where a packing was not run, and what each point is known to.
+
+    Returns
+    -------
+    list of Maximum
+        Of one packing those of ``maxima``.
+    """
+    gamma, height, error = (np.asarray(a, float) for a in (gamma, height, standard_error))
+    tops = maxima(np.broadcast_to(gamma[:, None], height.shape), height, error)
+    packings = np.flatnonzero(np.isfinite(height).any(axis=0))
+    if not tops or len(packings) < 2:
+        return tops
+    without = [_maxima_of_mean(gamma, np.delete(height, k, 1), np.delete(error, k, 1)) for k in packings]
+    return [_widened(top, [_same(top, tops, others) for others in without]) for top in tops]
+
+
+def _maxima_of_mean(gamma, height, error) -> list[Maximum]:
+    known = np.isfinite(height) & np.isfinite(error)
+    n = np.maximum(known.sum(axis=1), 1)
+    mean = np.where(known.any(axis=1), np.where(known, height, 0).sum(axis=1) / n, np.nan)
+    return maxima(gamma, mean, np.sqrt(np.where(known, error**2, 0).sum(axis=1)) / n)
+
+
+def _same(top: Maximum, tops: list[Maximum], others: list[Maximum]) -> Maximum | None:
+    """The maximum of another curve that this one, and no other of its own curve, lies nearest to."""
+    nearest = min(others, key=lambda other: abs(other.gamma - top.gamma), default=None)
+    return nearest if nearest and min(tops, key=lambda own: abs(own.gamma - nearest.gamma)) is top else None
+
+
+def _widened(top: Maximum, without: list[Maximum | None]) -> Maximum:
+    """A maximum with the jackknife's standard errors where they are larger."""
+    from scipy.stats import norm, t
+
+    found = [other for other in without if other is not None]
+    n = len(found)
+    if n < 2:
+        return top
+    factor = t.ppf(norm.cdf(1.0), n - 1) * math.sqrt(n - 1)
+
+    def error(name: str) -> float:
+        return max(getattr(top, f"{name}_standard_error"), factor * float(np.std([getattr(o, name) for o in found])))
+
+    return replace(top, gamma_standard_error=error("gamma"), height_standard_error=error("height"))
 
 
 def _posterior(x, y, error, fine):

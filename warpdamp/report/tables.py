@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.accuracy import chance, cheapest, step_errors, systematic
-from ..analysis.optimum import peaks
-from ..analysis.results import over_packings, worst_status
+from ..analysis.optimum import MOTIONS, Curves
+from ..analysis.results import worst_status
+from ..numerics.regression import Maximum
 from ..status import Status
 from ..variables import NOT_RUN
 from .figures import panels, shown
@@ -44,28 +45,24 @@ MOST_ROWS = 40
 
 
 def summary(dataset: xr.Dataset) -> Table:
-    """Table of the peaks of each curve, by mode or frequency and swept value; without curves, the best cases."""
+    """Table of the optima of each curve, by mode or frequency and swept value; without curves, the best cases."""
     if "gamma" not in dataset.dims or "effectiveness" not in dataset:
         return _best(dataset)
-    modal = "damping_ratio" in dataset
-    if modal:
-        value, error, lines = dataset["damping_ratio"], dataset["damping_ratio_standard_error"], "mode"
-    else:
-        (value, error), lines = over_packings(dataset, "effectiveness"), "frequency"
-    status = worst_status(dataset)
-    outer = [dim for dim in (lines, *value.dims) if dim in value.dims and dim != "gamma"]
-    outer = list(dict.fromkeys(outer))
+    of, lines = ("damping_ratio", "mode") if "damping_ratio" in dataset else ("effectiveness", "frequency")
+    curves = Curves(dataset, of)
+    outer = list(dict.fromkeys(dim for dim in (lines, *curves.dims) if dim in curves.dims))
+    head = ("mode", "f [Hz]", "phi [kg^-½]") if lines == "mode" else ("f [Hz]",) * (lines in outer)
     swept = [dim for dim in outer if dim != lines]
-    head = ("mode", "f [Hz]", "phi [kg^-½]") if modal else ("f [Hz]",) * (lines in outer)
-    table = _table(*head, *swept, "peaks of the damping ratio" if modal else "peaks of the effectiveness")
-    for at in panels(value, outer, MOST_ROWS):
-        tops = peaks(dataset["gamma"], value.isel(at), error.isel(at))
-        case = status.isel({"frequency" if name == "mode" else name: k for name, k in at.items()})
-        text = ", ".join(_peak(p, dataset["gamma"].values, case.sel(gamma=p.gamma)) for p in tops)
-        labels = {name: shown(value[name].values[k]) for name, k in at.items() if name != lines}
-        table.add_row(*_line_head(dataset, at), *labels.values(), text or "-")
-    if math.prod(value.sizes[dim] for dim in outer) > MOST_ROWS:
-        table.caption = f"{MOST_ROWS} of {math.prod(value.sizes[dim] for dim in outer)} lines"
+    table = _table(*head, *swept, "fluidisation", "two-sided collision", "largest of the points run")
+    table.title = f"optima of the {of.replace('_', ' ')}, ± standard errors"
+    for at in panels(curves.mean, outer, MOST_ROWS):
+        labels = (shown(curves.mean[name].values[k]) for name, k in at.items() if name != lines)
+        optima = curves.optima(at)
+        table.add_row(*_line_head(dataset, at), *labels, *(_optimum(optima[m]) for m in MOTIONS), _largest(curves, at))
+    rows = math.prod(curves.mean.sizes[dim] for dim in outer)
+    remarks = [f"{MOST_ROWS} of {rows} lines"] * (rows > MOST_ROWS)
+    remarks += ["one packing: what another would give is not in the errors"] * (curves.packings == 1)
+    table.caption = "; ".join(remarks) or None
     return table
 
 
@@ -104,16 +101,27 @@ def _best(dataset: xr.Dataset) -> Table:
     return table
 
 
-def _peak(peak, gammas, status) -> str:
-    """Text of a peak; what may hide a higher one is noted."""
-    notes = []
-    if peak.gamma in (gammas[0], gammas[-1]):
-        notes.append("the edge of what was run")
-    if status > 0:
-        notes.append(Status(int(status)).name.lower().replace("_", " "))
-    return f"{peak.height:.4g} ± {peak.standard_error:.1g} at Γ {peak.gamma:g}" + (
-        f" ({', '.join(notes)})" if notes else ""
-    )
+def _optimum(optimum: Maximum | str) -> str:
+    """Text of a maximum of the curve fitted, or of why there is none."""
+    if isinstance(optimum, str):
+        return f"none: {optimum}"
+    gamma = f"{optimum.gamma:.3g} ± {optimum.gamma_standard_error:.1g}"
+    return f"Γ {gamma}: {optimum.height:.4g} ± {optimum.height_standard_error:.1g}"
+
+
+def _largest(curves: Curves, at: dict[str, int]) -> str:
+    """Text of the largest point of a curve; what may hide a larger one is noted."""
+    mean, claimed = curves.mean.isel(at), curves.claimed.isel(at)
+    if not np.isfinite(mean).any():
+        return "-"
+    k = int(mean.fillna(-np.inf).argmax("gamma"))
+    gamma, gammas = float(curves.gamma[k]), curves.gamma
+    case = {"frequency" if name == "mode" else name: i for name, i in at.items()}
+    status = int(worst_status(curves.dataset).isel(case | {"gamma": k}))
+    notes = ["the edge of what was run"] * (gamma in (gammas.min(), gammas.max()))
+    notes += [Status(status).name.lower().replace("_", " ")] * (status > 0)
+    text = f"Γ {gamma:g}: {float(mean[k]):.4g} ± {float(claimed[k]):.1g}"
+    return text + (f" ({', '.join(notes)})" if notes else "")
 
 
 def _line_head(dataset, at):

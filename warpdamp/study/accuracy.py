@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..analysis.accuracy import REFERENCE
+from ..config.preparation import carried_path, preparation_word, state_asked
 from ..damper.case import Request, Spec
 from ..damper.preparation import prepare
 from ..engine.batch import SKIN, Batch, Case
@@ -173,7 +174,16 @@ def study(
 
 
 def points_of(config: Config, most: int = 6) -> list[Spec]:
-    """Few cases that span a study: at every frequency the Gammas at a third and two thirds of its list, all seeds."""
+    """Few cases that span a study: at every frequency the Gammas at a third and two thirds of its list, all seeds.
+
+    Raises
+    ------
+    ConfigError
+        If beds are to be carried, or brought to a state: the study prepares them in ways of its own.
+    """
+    if carried_path(config.preparation) or state_asked(config.preparation):
+        said = f"is '{preparation_word(config.preparation)}', and a study of accuracy takes loose and compacted beds"
+        raise config.error("preparation", f"{said}: name one of the two")
     specs = list(Cases(config).specs())
     frequencies = sorted({spec.scene.drive.frequency for spec in specs})[: max(1, most // 2)]
     gammas = sorted({spec.scene.drive.acceleration for spec in specs})

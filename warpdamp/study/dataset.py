@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.results import provenance
+from ..config.preparation import carried_path, preparation_word, state_asked
 from ..config.reading import resolved_yaml
 from ..execution.adaptive import needed_cases
 from ..modal.damping import damping_ratio, normalised_damping
 from ..numerics.tolerance import PARTS, allowed, combined
 from ..scene.scene import STANDARD_GRAVITY
 from ..status import Status
-from ..sweep.axes import CASE, FREQUENCY, GAMMA, OWN, SEED, attributes
+from ..sweep.axes import CASE, FREQUENCY, GAMMA, LEG, OWN, SEED, attributes
 from ..sweep.plan import Fate
 from ..variables import INTEGERS, NOT_RUN, describe
 
@@ -108,8 +109,21 @@ def _coordinates(cases: Cases) -> dict:
             coords[names[path]] = (axis.name, np.array(values), attributes(path))
         if axis.name == CASE:
             coords[CASE] = (CASE, np.arange(len(axis)), {"units": "1", "long_name": "number of the case"})
-    if "preparation" not in coords:
-        coords["preparation"] = ((), config.preparation, attributes(("preparation",)))
+        if axis.name == LEG:
+            path = list(carried_path(config.preparation))
+            about = {"units": "1", "long_name": "leg of the path of amplitudes"}
+            coords[LEG] = (LEG, np.arange(1, len(path) + 1), about)
+            coords["leg_direction"] = (LEG, path, {"long_name": "direction in which the leg meets the amplitudes"})
+    return preparation_coordinates(config) | coords
+
+
+def preparation_coordinates(config: Config) -> dict:
+    """Coordinates that say how the beds of a study were prepared, and the state that they were to have."""
+    coords = {"preparation": ((), preparation_word(config.preparation), attributes(("preparation",)))}
+    for name, value in state_asked(config.preparation).items():
+        path = ("preparation", name)
+        about = attributes(path)
+        coords["_".join(path)] = ((), value, about | {"long_name": f"{about['long_name']} asked for"})
     return coords
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..config.build import grains
+from ..config.preparation import carried_path, preparation_word, state_asked
 from ..config.study import Config
 from ..execution.adaptive import needed_cases
 from ..execution.batching import BATCH_COST, MOST_CASES
@@ -165,8 +166,7 @@ def _steps(plan: Plan, numbers):
 def _cases(plan: Plan, numbers):
     cases = plan.cases
     amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
-    preparation = f"{cases.config.preparation} " if "preparation" not in cases.names().values() else ""
-    yield f"  {len(numbers)} cases{amplitudes}; {len(plan.beds)} {preparation}beds"
+    yield f"  {len(numbers)} cases{amplitudes}; {len(plan.beds)} {_beds(cases)}"
     if cases.config.accuracy is not None:
         first = len(needed_cases(plan, Finished()))
         yield f"  of these {first} at first, and more packings of a point until it is within the tolerance"
@@ -183,6 +183,18 @@ def _cases(plan: Plan, numbers):
     modes = next(cases.points()).modes
     if modes is not None and modes.remark:
         yield f"  {modes.remark}"
+
+
+def _beds(cases: Cases) -> str:
+    """Words for the beds: how they are prepared, to what, and the way that they are carried, unless that is swept."""
+    preparation, swept = cases.config.preparation, cases.names().values()
+    if "preparation" in swept:
+        return "beds"
+    path, beds = carried_path(preparation), f"{preparation_word(preparation)} beds"
+    for name, value in state_asked(preparation).items():
+        text = "" if f"preparation_{name}" in swept else f"{1e3 * value:g} mm" if name == "clearance" else f"{value:g}"
+        return f"{beds}: {text}" if text else beds
+    return f"{beds}, each through all amplitudes {', then '.join(path)}" if path else beds
 
 
 def _price(plan: Plan, numbers, workers):

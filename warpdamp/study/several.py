@@ -28,6 +28,7 @@ from ..scene.scene import STANDARD_GRAVITY
 from ..status import Status
 from ..sweep.cases import Cases
 from ..variables import describe
+from .dataset import preparation_coordinates
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -146,7 +147,7 @@ def combined(config: Config, datasets: Sequence[xr.Dataset], seen: Sequence[Mode
     coords = {"frequency": ("frequency", frequency, {"units": "Hz"}), "gamma": gammas}
     dataset = xr.concat(each, "damper").assign_coords(damper=np.arange(1, len(seen) + 1), **coords)
     dataset["particle_mass"] = ("damper", [float(own["particle_mass"].max()) for own in datasets])
-    dataset["preparation"] = config.preparation
+    dataset = dataset.assign_coords(preparation_coordinates(config))
     displacement = np.array(gammas) * STANDARD_GRAVITY / (2 * np.pi * frequency[:, None]) ** 2
     amplitude, natural = reference.amplitude[:, None], reference.frequency[:, None]
     per_joule = xr.DataArray(damping_ratio(1.0, displacement, amplitude, natural), dims=("mode", "gamma"))
@@ -164,7 +165,7 @@ def combined(config: Config, datasets: Sequence[xr.Dataset], seen: Sequence[Mode
         mode_amplitude=("mode", reference.amplitude),
         damper_amplitude=(("damper", "mode"), [modes.amplitude for modes in seen]),
     ).assign_coords(mode=("mode", reference.number, {"units": "1", "long_name": "mode"}))
-    dataset = describe(dataset.set_coords("preparation"))
+    dataset = describe(dataset)
     dataset.attrs = {"title": config.title, **provenance(), "configuration": resolved_yaml(config)}
     return dataset
 

@@ -22,6 +22,9 @@ OWN = {FREQUENCY: "frequency", GAMMA: "gamma", SEED: "seed"}
 CASE = "case"
 """Dimension of scalars that change together."""
 
+LEG = "leg"
+"""Dimension of the legs of a path along which beds are carried through all amplitudes; it changes no scalar."""
+
 _LONG_NAMES = {
     "youngs_modulus": "Young's modulus",
     "poissons_ratio": "Poisson's ratio",
@@ -82,7 +85,7 @@ def dotted(path: Path) -> str:
 def coordinate_names(paths) -> dict[Path, str]:
     """Names for scalars: the last key, or as much of the path as makes them unique, among variables too."""
     paths = list(paths)
-    taken = {*VARIABLES, *OWN.values(), CASE, "mode"}
+    taken = {*VARIABLES, *OWN.values(), CASE, LEG, "mode"}
 
     def name(path):
         if path in OWN:
@@ -95,6 +98,11 @@ def coordinate_names(paths) -> dict[Path, str]:
         return "_".join(map(str, path))
 
     return {path: name(path) for path in paths}
+
+
+def is_vector(path: Path) -> bool:
+    """Whether a list at a path is one value, of several components."""
+    return "direction" in str(path[-1]) or path[-2:] == ("carried", "path")
 
 
 @functools.cache

@@ -34,9 +34,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import ValidationError
 
-from ..config.build import as_list, drive, grains, particle_mass, scene
+from ..config.build import as_list, bed, drive, grains, particle_mass, scene
 from ..errors import ConfigError
 from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, coordinate_names, dotted, leaves, put, tree, tree_copy
+from .carried import leg_axes, refuse_one_amplitude
 from .exclude import Exclusions
 from .reader import read_axes
 
@@ -90,6 +91,7 @@ class Cases:
 
     def __init__(self, config: Config):
         self.config, self.axes = read_axes(config)
+        self.axes += leg_axes(config)
         self.carried = {path for axis in self.axes if axis.name == CASE for path in axis.paths if path in OWN}
         """Which of frequency, gamma and seed change along the dimension ``case``."""
         excitation = self.config.excitation
@@ -102,6 +104,7 @@ class Cases:
         self._modes: dict[str, Modes] = {}
         self._beds: dict = {}
         self._refuse_what_the_tolerance_chooses()
+        refuse_one_amplitude(self.config, self.axes, self.gammas)
 
     def _refuse_what_the_tolerance_chooses(self) -> None:
         chosen = [path for axis in self.axes for path in axis.paths if path in CHOSEN or path[0] == "accuracy"]
@@ -215,10 +218,10 @@ class Cases:
         i, j, k = position
         config = point.config
         frequency, gamma, seed = self.drive_at(point, position)
-        bed = self._bed(config, point.index, seed)
-        driven = bed.scene.driven(drive(config, frequency, gamma))
+        request = self._bed(config, point.index, seed)
+        driven = request.scene.driven(drive(config, frequency, gamma))
         index = (i, j, *point.index, k)
-        return Spec(index, driven, steps_of(config, driven, bed.grains), bed), criteria_of(config, frequency)
+        return Spec(index, driven, steps_of(config, driven, request.grains), request), criteria_of(config, frequency)
 
     def specs(self) -> Iterator[Spec]:
         """Cases that are possible and not excluded, in order."""
@@ -227,10 +230,6 @@ class Cases:
                 for _, position in self.numbers(point):
                     if not self.excluded(point, *self.drive_at(point, position)):
                         yield self.spec_at(point, position)[0]
-
-    def acceleration(self, number: int) -> float:
-        """Acceleration amplitude of a case [m/s^2]."""
-        return self.spec(number)[0].scene.drive.acceleration
 
     def drive_at(self, point: Point, position: tuple[int, int, int]) -> tuple[float, float, int]:
         """Frequency [Hz], Gamma and seed of a case."""
@@ -245,11 +244,11 @@ class Cases:
                 scene=scene(config),
                 grains=grains(config),
                 seed=seed,
-                preparation="loose" if config.preparation == "carried" else config.preparation,
                 settling_time=PAPER_SETTLING if config.steady_state.recipe == "paper" else None,
                 numerics=Numerics(
                     config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced()
                 ),
+                **bed(config),
             )
         return self._beds[index, seed]
 

@@ -20,9 +20,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..config.build import particle_mass
+from ..config.preparation import carried_path
 from ..config.reading import resolved_yaml
 from ..files import keep
 from ..version import PHYSICS_VERSION, RESULTS_VERSION
+from .carried import beside_legs, leg_of
 from .cases import Cases
 
 if TYPE_CHECKING:
@@ -66,6 +68,7 @@ class Plan:
     particles : (n,) array of their number
     cost : (n,) array of particle-steps, at the least
     chain : (n,) array: number of the first case of the chain that a case belongs to
+    turn : (n,) array: position in that chain
     group : (n,) array: position in ``groups``, of which a batch holds one
     bed : (n,) array: position in ``beds``
     groups : (effects, criteria) that occur
@@ -83,6 +86,7 @@ class Plan:
     particles: np.ndarray
     cost: np.ndarray
     chain: np.ndarray
+    turn: np.ndarray
     group: np.ndarray
     bed: np.ndarray
     groups: list[tuple[Effects, Criteria]] = field(default_factory=list)
@@ -114,10 +118,11 @@ def make_plan(cases: Cases) -> Plan:
         particles=np.zeros(n, np.int32),
         cost=np.zeros(n),
         chain=np.arange(n),
+        turn=np.zeros(n, np.int32),
         group=np.zeros(n, np.int32),
         bed=np.zeros(n, np.int32),
     )
-    carried: dict[str, list] = {}
+    carried: dict[tuple, list] = {}
     groups: dict = {}
     positions: dict = {}
     for point in cases.points():
@@ -158,9 +163,11 @@ def _look(plan: Plan, point, groups: dict, positions: dict, carried: dict) -> No
         plan.group[number], _ = groups.setdefault((effects, criteria), (len(groups), number))
         inputs = identity(spec, criteria, beds[seed])
         plan.bed[number] = positions[beds[seed]]
-        if point.config.preparation == "carried":
-            chain = key({**inputs, "drive": {**inputs["drive"], "acceleration": 0}, "steps_per_cycle": 0}).hex()
-            carried.setdefault(chain, []).append((spec.scene.drive.acceleration, number, inputs))
+        if path := carried_path(point.config.preparation):
+            alike = key({**inputs, "drive": {**inputs["drive"], "acceleration": 0}, "steps_per_cycle": 0})
+            leg, acceleration = leg_of(cases.axes, point.index), spec.scene.drive.acceleration
+            order = (leg, acceleration if path[leg] == "up" else -acceleration, number)
+            carried.setdefault((alike, beside_legs(cases.axes, point.index)), []).append((order, inputs))
         else:
             plan.keys[number] = key(inputs)
 
@@ -168,10 +175,10 @@ def _look(plan: Plan, point, groups: dict, positions: dict, carried: dict) -> No
 def _chain_up(plan: Plan, carried: dict) -> None:
     """Set the keys of carried cases: each depends on those before it."""
     for chain in carried.values():
-        chain.sort(key=lambda member: member[:2])
-        first, before = chain[0][1], []
-        for _, number, inputs in chain:
-            plan.chain[number] = first
+        chain.sort(key=lambda member: member[0])
+        first, before = chain[0][0][-1], []
+        for turn, ((*_, number), inputs) in enumerate(chain):
+            plan.chain[number], plan.turn[number] = first, turn
             plan.keys[number] = key(inputs, before)
             before = [*before, {"drive": inputs["drive"], "steps_per_cycle": inputs["steps_per_cycle"]}]
 
@@ -184,7 +191,7 @@ def _effect_attributes(cases: Cases, groups: dict) -> dict[str, str]:
     }
 
 
-_ARRAYS = ("keys", "fate", "frequency", "particle_mass", "dt", "particles", "cost", "chain", "group", "bed")
+_ARRAYS = ("keys", "fate", "frequency", "particle_mass", "dt", "particles", "cost", "chain", "turn", "group", "bed")
 
 
 def save_plan(plan: Plan, folder: Path) -> None:

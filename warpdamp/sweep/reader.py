@@ -23,6 +23,7 @@ from .axes import (
     coordinate_names,
     dotted,
     get,
+    is_vector,
     leaves,
     put,
     tree,
@@ -98,8 +99,8 @@ class Reader:
             for path, values in self.scalars.items()
             if isinstance(values, list)
             and path not in OWN
-            and path[0] in ("materials", "contact", "excitation")
-            and "direction" not in str(path[-1])
+            and path[0] in ("materials", "contact", "excitation", "preparation")
+            and not is_vector(path)
         ]
 
     def _distinct(self, values: list, place) -> list:
@@ -132,7 +133,7 @@ class Reader:
     def _find(self, key: str, place) -> Path:
         parts = tuple(int(part) if part.isdigit() else part for part in key.split("."))
         parts = (*parts[:-1], "seeds") if parts[-1] == "seed" else parts
-        usable = [path for path in self.scalars if path != ("title",) and "direction" not in str(path[-1])]
+        usable = [path for path in self.scalars if path != ("title",) and not is_vector(path)]
         matches = [path for path in usable if path[-len(parts) :] == parts]
         if parts in matches:
             return parts

@@ -1,0 +1,86 @@
+"""Models of the configuration: how beds are prepared, in a word or by what they are to have."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, TypeAdapter, model_validator
+
+from .base import POSITIVE as _positive
+from .base import Model
+from .quantities import Length, Number
+from .sweep import swept
+
+Word = Literal["loose", "compacted", "carried"]
+
+
+class CarriedConfig(Model):
+    """Amplitudes run one after the other, each from the bed that the one before left, in the directions of ``path``."""
+
+    path: Annotated[list[Literal["up", "down"]], Field(min_length=1)]
+
+
+class PreparationConfig(Model):
+    """State that beds are brought to, or the path along which they are carried; one of the three."""
+
+    clearance: swept(Length, _positive) | None = None
+    packing_fraction: swept(Number, Field(gt=0, lt=1)) | None = None
+    carried: CarriedConfig | None = None
+
+    @model_validator(mode="after")
+    def _one(self):
+        if sum(value is not None for value in vars(self).values()) != 1:
+            raise ValueError("give one of clearance: 1.8 mm, packing_fraction: 0.54 and carried: {path: [up, down]}")
+        return self
+
+
+_WORD = TypeAdapter(Word)
+
+
+def read_preparation(value: Any) -> Word | PreparationConfig:
+    """A word, or what beds are to have; an error names the words only where one was given."""
+    if isinstance(value, dict | PreparationConfig):
+        return PreparationConfig.model_validate(value)
+    return _WORD.validate_python(value)
+
+
+def state_asked(preparation: Word | PreparationConfig) -> dict[str, Any]:
+    """``clearance`` [m] or ``packing_fraction`` that beds are brought to, by name; empty if neither."""
+    if not isinstance(preparation, PreparationConfig) or preparation.carried:
+        return {}
+    return {name: value for name, value in vars(preparation).items() if value is not None}
+
+
+def carried_path(preparation: Word | PreparationConfig) -> tuple[str, ...]:
+    """Directions in which carried beds meet the amplitudes, ``up`` or ``down``; empty if beds are not carried."""
+    if isinstance(preparation, PreparationConfig):
+        return tuple(preparation.carried.path) if preparation.carried else ()
+    return ("up",) if preparation == "carried" else ()
+
+
+def preparation_word(preparation: Word | PreparationConfig) -> str:
+    """Name of a preparation: loose, compacted, carried, given clearance or given packing fraction."""
+    if asked := state_asked(preparation):
+        return f"given {next(iter(asked)).replace('_', ' ')}"
+    return "carried" if carried_path(preparation) else str(preparation)
+
+
+def check_preparation(preparation: Word | PreparationConfig, enclosures: dict[str, Any], gravities: list) -> None:
+    """Refuse to compact without gravity, and to reach a clearance without floor or lid.
+
+    Raises
+    ------
+    ValueError
+        Begins with the key to look at.
+    """
+    asked = next(iter(state_asked(preparation)), None)
+    key = f"preparation.{asked}" if asked else "preparation"
+    if (asked or preparation == "compacted") and 0 in gravities:
+        raise ValueError(f"{key}: a bed cannot be compacted without gravity; set preparation: loose")
+    for cavity, enclosure in enclosures.items() if asked else ():
+        for wall in ("floor", "lid"):
+            if not getattr(enclosure, wall):
+                raise ValueError(
+                    f"{key}: is defined between a floor and a lid only, and {cavity}.enclosure has no {wall}; "
+                    "set preparation: compacted"
+                )
