@@ -8,7 +8,7 @@ With overlap d, contact radius a = sqrt(R* d) and reduced mass m* (a wall: R* = 
 where vn is the approach speed, vt the slip velocity, and the stretch xi follows d(xi)/dt = -vt (Hertz; Mindlin 1949;
 Tsuji, Tanaka & Ishida 1992, doi:10.1016/0032-5910(92)88030-L).  Dry grains do not pull: without tension the impulse of
 sliding friction is mu times that of the normal force, (1 + e) m* vn, which the pull of the textbook's dashpot raises by
-3 % at e = 0.5.  Its b is found so that a bounce still returns the restitution asked for; see ``warpdamp/law.py``.
+3 % at e = 0.5.  Its b is found so that a bounce still returns the restitution asked for; see ``warpdamp/scene/contact.py``.
 
 Tangential history
     The spring's stretch xi is stored with the contact radius of the same moment.  When a contact unloads, St falls and
@@ -33,7 +33,7 @@ Energy
 Vectors
     The compiler computes several contacts side by side with the code below (``lanes.py``).  It gives that up, and half
     the speed with it, where a branch loads, stores, calls or returns (arithmetic alone becomes a selection), or a loop
-    has bounds that are not constants.  ``tests/test_lanes.py`` asks it.
+    has bounds that are not constants.  ``tests/kernels/test_lanes.py`` asks it.
 """
 
 import functools
