@@ -12,6 +12,7 @@ from .analysis.optimum import optimum
 from .analysis.regimes import regime
 from .analysis.results import over_packings
 from .errors import UsageError
+from .files import netcdf_errors
 from .modal.apparent_mass import ROUNDING
 from .modal.card import at_frequencies, is_card
 from .modal.damping import damping_of_effectiveness
@@ -175,9 +176,7 @@ def open_results(path: str | Path) -> xr.Dataset:
     Raises
     ------
     UsageError
-        If the file is not a results file.
-    FileNotFoundError
-        If there is no such file.
+        If there is no such file, or it is not a results file.
 
     Examples
     --------
@@ -189,10 +188,8 @@ def open_results(path: str | Path) -> xr.Dataset:
     >>> float(first.idxmax("gamma"))  # Gamma of the most damping
     5.0
     """
-    try:
+    with netcdf_errors(path):
         dataset = xr.open_dataset(path)
-    except ValueError:
-        raise UsageError(f"{path}: is not a netCDF file") from None
     if "status" not in dataset:
         dataset.close()
         raise UsageError(f"{path}: is not a results file of warpdamp (it has no status)")

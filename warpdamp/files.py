@@ -11,7 +11,7 @@ from pathlib import Path
 
 import platformdirs
 
-from .errors import StoreError
+from .errors import StoreError, UsageError
 
 
 @contextmanager
@@ -46,6 +46,17 @@ def keep(path: Path, content: bytes) -> None:
         raise StoreError(
             f"{path.parent} cannot be written: {error.strerror}; finished cases are stored: free space and run again"
         ) from None
+
+
+@contextmanager
+def netcdf_errors(path: Path) -> Iterator[None]:
+    """Context in which what a library of netCDF raises on a file becomes a ``UsageError``."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise UsageError(f"there is no file {path}") from None
+    except (ValueError, OSError, RuntimeError):  # not netCDF at all, cut off, damaged inside
+        raise UsageError(f"{path}: is no netCDF file, or a damaged one") from None
 
 
 def _flush_folder(folder: Path) -> None:

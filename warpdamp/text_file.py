@@ -8,6 +8,8 @@ from __future__ import annotations
 import codecs
 from pathlib import Path
 
+from .errors import UsageError
+
 MARKS = (  # that of UTF-32 begins with that of UTF-16
     (codecs.BOM_UTF32_LE, "utf-32"),
     (codecs.BOM_UTF32_BE, "utf-32"),
@@ -17,7 +19,7 @@ MARKS = (  # that of UTF-32 begins with that of UTF-16
 )
 
 
-class TableError(ValueError):
+class TableError(UsageError):
     """A text file or table that cannot be read: the file, the line and the remedy."""
 
 

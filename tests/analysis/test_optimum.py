@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from warpdamp.accessor import open_results
+from warpdamp.analysis import results
 from warpdamp.analysis.optimum import BLOCK_FLUIDISATION, Curves, collision_optimum, optimum
 from warpdamp.analysis.regimes import Regime, regime
 from warpdamp.errors import UsageError
@@ -158,6 +159,13 @@ def test_files_that_are_no_results(tmp_path):
     xr.Dataset({"a": 1}).to_netcdf(tmp_path / "other.nc")
     with pytest.raises(UsageError, match="is not a results file of warpdamp"):
         open_results(tmp_path / "other.nc")
+    damaged = (tmp_path / "other.nc").read_bytes()
+    (tmp_path / "damaged.nc").write_bytes(damaged[: len(damaged) // 2])
+    for reader in (open_results, results.read):
+        with pytest.raises(UsageError, match=r"damaged.nc: is no netCDF file, or a damaged one"):
+            reader(tmp_path / "damaged.nc")
+        with pytest.raises(UsageError, match=r"there is no file .*none.nc"):
+            reader(tmp_path / "none.nc")
 
 
 def packings(rng, seeds: int, spread: float):

@@ -49,25 +49,6 @@ def test_a_swept_sine_and_noise_are_what_they_say():
         forces.random(RandomConfig(rms=0.5, from_=10.1, to=10.2), 0.1)
 
 
-def test_a_recorded_force(tmp_path):
-    file = tmp_path / "force.csv"
-    file.write_text("time_s, force_N\n0, 1\n0.1, 2\n0.2, -1\n")
-    samples, step = forces.recorded(file, {"force_N": 1.0})
-    assert (samples == [1, 2, -1, 0]).all()
-    assert step == pytest.approx(0.1)
-    for text, message in (
-        ("t, f\n0, 1\n", "columns must be time_s and force_N, got t, f"),
-        ("time_s, force_N\n0, 1\n0.1, x\n", r"force.csv:3: time_s and force_N must be numbers"),
-        ("time_s, force_N\n0, 1\n0.1, 1\n0.3, 1\n", "evenly spaced: resample"),
-        ("time_s, force_N\n0, 1\n", "at least two rows"),
-        ("time_s, force_N\n0, 0\n1, 0\n", "zero throughout"),
-        ("time_s, force_N, mass_kg\n0, 1, 2\n", "got time_s, force_N, mass_kg"),
-    ):
-        file.write_text(text)
-        with pytest.raises(ValueError, match=message):
-            forces.recorded(file, {"force_N": 1.0})
-
-
 def test_the_accelerance_of_a_linear_oscillator():
     """Within 2 % of the closed form near its peak, from one sweep without a window and from noise in pieces of 20 s.
 

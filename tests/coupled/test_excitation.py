@@ -179,7 +179,10 @@ def test_noise_is_deterministic_and_has_its_density():
         ("base: {random: {spectrum: [[20 Hz, 1 N^2/Hz], [30 Hz, 1]]}}", "has the wrong unit"),
         ("base: {random: {spectrum: [[30 Hz, 1 g^2/Hz], [20 Hz, 1 g^2/Hz]]}}", "in the order of their frequencies"),
         ("base: {random: {spectrum: [[30.01 Hz, 1 g^2/Hz], [30.02 Hz, 1 g^2/Hz]]}}", "run it longer"),
-        ("base: {recorded: {file: force.csv}}", "columns must be time_s and acceleration_m_s2 or acceleration_g"),
+        (
+            "base: {recorded: {file: force.csv}}",
+            "columns must be time_s and acceleration_m_s2 or acceleration_g, got time_s, force_N",
+        ),
         ("random: {spectrum: NAVMAT P-9492}", "is of no force"),
         ("random: {spectrum: [[20 Hz, 1], [30 Hz, 1]], rms: 1 N}", "spectrum: says all that rms would"),
         ("random: {rms: 1 N, from: 10 Hz}", "give rms, from and to, or a spectrum"),

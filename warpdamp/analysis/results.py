@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from ..errors import UsageError
-from ..files import whole_file
+from ..files import netcdf_errors, whole_file
 from ..variables import NOT_RUN
 from ..version import PHYSICS_VERSION, __version__
 
@@ -121,14 +121,10 @@ def read(path: Path) -> xr.Dataset:
     Raises
     ------
     UsageError
-        If the file is not a netCDF file, or holds no results.
-    FileNotFoundError
-        If there is no such file.
+        If there is no such file, it is not a netCDF file, or holds no results.
     """
-    try:
+    with netcdf_errors(path):
         dataset = xr.load_dataset(path)
-    except ValueError:
-        raise UsageError(f"{path}: is not a netCDF file") from None
     if "effectiveness" not in dataset:
         raise UsageError(f"{path}: is not a results file of warpdamp (it has no effectiveness)")
     return dataset

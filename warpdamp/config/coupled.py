@@ -109,9 +109,10 @@ class RandomConfig(Model):
 
 
 class RecordedConfig(Model):
-    """Recorded signal: a CSV file, evenly spaced from time 0, with the column time_s, and force_N or an acceleration.
+    """Recorded signal: a text table, evenly spaced from time 0, with the column time_s, and force_N or an acceleration.
 
-    The acceleration of a base is called acceleration_m_s2 or acceleration_g.  After the record there is nothing more.
+    The acceleration of a base is called acceleration_m_s2 or acceleration_g.  Other units are written into the names or
+    behind them, as time_ms or force [lbf].  After the record there is nothing more.
     """
 
     file: str

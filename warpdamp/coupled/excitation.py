@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import UsageError
 from ..scene.host import BaseMotion, Force, HostStructure, Signal
 from ..scene.scene import STANDARD_GRAVITY
-from . import forces, noise, response
+from . import forces, noise, recorded, response
 
 if TYPE_CHECKING:
     from ..config.coupled import CoupledConfig
@@ -35,9 +36,6 @@ LEAST_DAMPING = 0.01
 REST = 0.01
 """A record is at rest where it is below this part of its largest value."""
 
-FORCE_COLUMNS = {"force_N": 1.0}
-BASE_COLUMNS = {"acceleration_m_s2": 1.0, "acceleration_g": STANDARD_GRAVITY}
-
 
 def signals(config: Config) -> list[Signal | None]:
     """The force or the base's acceleration of each level; None of a release.
@@ -55,7 +53,7 @@ def signals(config: Config) -> list[Signal | None]:
         return [kind(level * harmonic.amplitude, harmonic.frequency) for level in own.levels]
     try:
         samples, step = _samples(config)
-    except (OSError, ValueError) as error:
+    except UsageError as error:
         raise config.error(f"coupled.{own.source}", str(error)) from None
     return [kind(samples=level * samples, sample_step=step) for level in own.levels]
 
@@ -69,10 +67,10 @@ def _samples(config: Config) -> tuple[np.ndarray, float]:
         if signal.random.spectrum:
             return noise.samples(signal.random.spectrum, signal.random.seed, duration)
         return forces.random(signal.random, duration)
-    samples, step = forces.recorded(config.folder / signal.recorded.file, BASE_COLUMNS if own.base else FORCE_COLUMNS)
+    samples, step = recorded.samples(config.folder / signal.recorded.file, "acceleration" if own.base else "force")
     end, largest = abs(samples[-2]), np.abs(samples).max()
     if (len(samples) - 2) * step < duration and end > REST * largest:
-        raise ValueError(
+        raise UsageError(
             f"{signal.recorded.file}: the record ends before the run does, at {100 * end / largest:.2g} % of its "
             f"largest value: let it come to rest, or take a duration of at most {(len(samples) - 2) * step:.4g} s"
         )

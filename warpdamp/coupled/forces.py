@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from ..errors import UsageError
 
 if TYPE_CHECKING:
     from ..config.coupled import BaseSweptConfig, RandomConfig, SweptConfig
@@ -30,61 +30,18 @@ def random(config: RandomConfig, duration: float) -> tuple[np.ndarray, float]:
 
     Raises
     ------
-    ValueError
+    UsageError
         If no line of the spectrum lies in the band: the run is too short for it.
     """
     time, step = times(config.to, duration)
     lines = np.fft.rfftfreq(len(time), step)
     inside = (lines >= config.from_) & (lines <= config.to)
     if not inside.any():
-        raise ValueError(f"no multiple of 1 / duration lies from {config.from_:g} to {config.to:g} Hz: run it longer")
+        raise UsageError(f"no multiple of 1 / duration lies from {config.from_:g} to {config.to:g} Hz: run it longer")
     rng = np.random.default_rng(config.seed)
     spectrum = np.where(inside, rng.standard_normal(len(lines)) + 1j * rng.standard_normal(len(lines)), 0)
     noise = np.fft.irfft(spectrum, len(time))
     return noise * (config.rms / np.sqrt(np.mean(noise**2))), step
-
-
-def recorded(path: Path, columns: dict[str, float]) -> tuple[np.ndarray, float]:
-    """Samples in SI from a CSV file with the column time_s and one of ``columns``, and the step between them [s].
-
-    A sample of zero follows the last: after its record a signal is at rest.
-
-    Parameters
-    ----------
-    path : Path
-    columns : names that the second column may have, each with its unit in SI
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    ValueError
-        If it does not hold what is said above; names the line.
-    """
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        table = csv.DictReader(file, skipinitialspace=True)
-        names = [name.strip() for name in table.fieldnames or ()]
-        table.fieldnames = names
-        column = next((name for name in columns if sorted(names) == sorted(("time_s", name))), None)
-        if column is None:
-            wanted, got = " or ".join(columns), ", ".join(names) or "none"
-            raise ValueError(f"{path}:1: the columns must be time_s and {wanted}, got {got}")
-        rows = []
-        for row in table:
-            try:
-                rows.append((float(row["time_s"]), float(row[column])))
-            except (TypeError, ValueError):
-                raise ValueError(f"{path}:{table.line_num}: time_s and {column} must be numbers") from None
-    values = np.array(rows, float).reshape(-1, 2)
-    if len(values) < 2 or not np.isfinite(values).all():
-        raise ValueError(f"{path}: needs at least two rows of finite numbers")
-    if not values[:, 1].any():
-        raise ValueError(f"{path}: {column} is zero throughout")
-    time = values[:, 0]
-    step = time[-1] / (len(time) - 1)
-    if time[0] != 0 or step <= 0 or np.abs(time - step * np.arange(len(time))).max() > 0.05 * step:
-        raise ValueError(f"{path}: time_s must start at 0 and be evenly spaced: resample the record")
-    return columns[column] * np.append(values[:, 1], 0.0), float(step)
 
 
 def moments(signal: Signal, duration: float) -> np.ndarray:

@@ -15,6 +15,7 @@ import math
 
 import numpy as np
 
+from ..errors import UsageError
 from . import forces
 
 Table = list[tuple[float, float]]
@@ -47,7 +48,7 @@ def samples(table: Table, seed: int, duration: float) -> tuple[np.ndarray, float
 
     Raises
     ------
-    ValueError
+    UsageError
         If no multiple of 1 / duration lies in the table.
     """
     time, step = forces.times(table[-1][0], duration)
@@ -55,7 +56,7 @@ def samples(table: Table, seed: int, duration: float) -> tuple[np.ndarray, float
     frequency = np.fft.rfftfreq(n, step)
     power = density(table, frequency) / duration
     if not power.any():
-        raise ValueError(f"no multiple of 1 / duration lies from {table[0][0]:g} to {table[-1][0]:g} Hz: run it longer")
+        raise UsageError(f"no multiple of 1 / duration lies from {table[0][0]:g} to {table[-1][0]:g} Hz: run it longer")
     phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(frequency))
     lines = np.sqrt(power / 2) * n * np.exp(1j * phase) / np.sinc(frequency * step) ** 2
     noise = np.fft.irfft(lines, n)

@@ -138,6 +138,21 @@ def newtons(unit: str) -> float:
     return float(_quantity(unit).magnitude)
 
 
+def seconds(unit: str) -> float:
+    """Factor that turns a unit of time into seconds; a ValueError if it is none."""
+    if unit.lower() not in TIME or unit in AMBIGUOUS:
+        raise ValueError(f"{unit!r} is no unit of time: write s or ms")
+    return float(_quantity(unit).magnitude)
+
+
+def metres_per_second_squared(unit: str) -> float:
+    """Factor that turns a unit of acceleration into m/s^2; a ValueError if it is none."""
+    quantity = _quantity(unit)
+    if dict(quantity.dimensionality) != {"[length]": 1, "[time]": -2}:
+        raise ValueError(f"{unit!r} is no unit of acceleration: write m/s^2 or g")
+    return float(quantity.magnitude)
+
+
 def _quantity(unit: str):
     """Unit in SI, by pint; its names are those above."""
     text = _tidy(unit)

@@ -99,7 +99,11 @@ def _read(file: Path) -> meshio.Mesh:
 
 
 def _check_abaqus(file: Path) -> None:
-    for number, line in enumerate(file.read_text(encoding="latin-1").splitlines(), 1):
+    try:
+        lines = file.read_text(encoding="latin-1").splitlines()
+    except OSError as error:
+        raise ModalError(f"{file}: cannot be read: {error.strerror or error}") from None
+    for number, line in enumerate(lines, 1):
         keyword = re.match(r"\*\s*([A-Z ]+)", line.upper())
         name = keyword[1].strip() if keyword else ""
         if name in GENERATED or (name == "NODE" and re.search(r"SYSTEM\s*=\s*[^R\s]", line.upper())):

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ..errors import ModalError
 from .mesh_file import load_mesh
 
 if TYPE_CHECKING:
@@ -102,21 +103,21 @@ class MeshedSection:
 
         Raises
         ------
-        ValueError
+        ModalError
             If the file is no plane mesh, or if the section's principal axes are not those of the beam.
         """
         from skfem import Basis, ElementQuad2, ElementTriP2, MeshQuad1, MeshTri1
 
         mesh = load_mesh(self.file, self.unit)
         if not isinstance(mesh, MeshTri1 | MeshQuad1):
-            raise ValueError(f"{self.file} holds a {type(mesh).__name__}: a section is a plane mesh")
+            raise ModalError(f"{self.file} holds a {type(mesh).__name__}: a section is a plane mesh")
         element = ElementTriP2() if isinstance(mesh, MeshTri1) else ElementQuad2()
         centroid = moments(Basis(mesh, element, intorder=6)).centroid
         basis = Basis(mesh.translated(-centroid), element, intorder=6)
         of = moments(basis)
         if abs(of.mixed) > 0.01 * max(of.across, of.through):
             turn = np.degrees(0.5 * np.arctan2(2 * of.mixed, of.across - of.through))
-            raise ValueError(
+            raise ModalError(
                 f"{self.file}: the section's principal axes are turned by {turn:.1f} degrees: it would not bend along "
                 "y or z; turn the mesh"
             )
