@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 
+from fuzz import section as damaged_files
 from shared import head, table, write_document
 
 from stability.cases import CASES, bed, shaken
@@ -83,6 +84,7 @@ def main():
         table(["case", "expected", "ended", "ledger residual", "largest overlap / R*", "in words", "s"], rows),
         "## What the guards cost",
         cost_of_guards(),
+        damaged_files(),
     )
     return wrong
 
