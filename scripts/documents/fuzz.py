@@ -13,7 +13,7 @@ from pathlib import Path
 
 from shared import DOCS, machine, table, write_document
 
-from fuzz_files import KINDS, LONGEST, damage, is_read, read_valid_files
+from fuzz_files import KINDS, LONGEST, TooLong, damage, is_read, read_valid_files
 
 COUNTS = DOCS / "fuzz.json"
 TITLE = "## Files of other people, damaged"
@@ -47,7 +47,7 @@ def tried(files: int) -> dict[str, dict]:
 def _fate(number: int, case, folder: Path) -> str:
     try:
         return "read" if is_read(case, folder) else "refused"
-    except Exception as error:  # what this script looks for
+    except (Exception, TooLong) as error:  # what this script looks for
         print(f"case {number}, {case.name}: {type(error).__name__}: {error}", flush=True)
         return "failed"
 
