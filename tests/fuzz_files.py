@@ -24,13 +24,13 @@ from fuzz_damage import PIECES, damaged
 from warpdamp import ConfigError, load
 from warpdamp.coupled import recorded
 from warpdamp.errors import WarpdampError
-from warpdamp.modal.frf_file import read_frf
+from warpdamp.formats.frf_file import read_frf
+from warpdamp.formats.mesh_file import load_named
+from warpdamp.formats.mode_csv import read_csv, write_csv
+from warpdamp.formats.mode_nastran import read_nastran
+from warpdamp.formats.mode_uff import read_uff, write_uff
 from warpdamp.modal.identify import fits
-from warpdamp.modal.mesh_file import load_named
-from warpdamp.modal.mode_csv import read_csv, write_csv
-from warpdamp.modal.mode_nastran import read_nastran
-from warpdamp.modal.mode_uff import read_uff, write_uff
-from warpdamp.modal.modes import Modes
+from warpdamp.modes import Modes
 
 LONGEST = 10
 """Seconds that a file may take."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from warpdamp.modal.nastran_bulk import cards, real
+from warpdamp.formats.nastran_bulk import cards, real
 
 
 def read_bush(file):

@@ -18,8 +18,9 @@ HEAVY = {"warp", "xarray", "scipy", "skfem", "matplotlib", "pint", "netCDF4", "r
 
 LEVELS = (
     {"version", "errors", "status", "scene", "kernels"},
-    {"files", "text_file", "text_table", "variables", "numerics"},
+    {"files", "variables", "modes", "numerics"},
     {"config", "engine", "analysis"},
+    {"formats"},
     {"damper", "modal"},
     {"sweep", "report"},
     {"execution", "coupled", "accessor"},

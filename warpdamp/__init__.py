@@ -43,7 +43,7 @@ _HOMES = {
     "corrected": "modal.apparent_mass",
     "accelerance": "modal.frf",
     "constant_force": "modal.frf",
-    "read_frf": "modal.frf_file",
+    "read_frf": "formats.frf_file",
     "fits": "modal.identify",
 }
 
@@ -61,10 +61,10 @@ if TYPE_CHECKING:
     from .errors import PackingError as PackingError
     from .errors import SimulationError as SimulationError
     from .errors import StoreError as StoreError
+    from .formats.frf_file import read_frf as read_frf
     from .modal.apparent_mass import corrected as corrected
     from .modal.frf import accelerance as accelerance
     from .modal.frf import constant_force as constant_force
-    from .modal.frf_file import read_frf as read_frf
     from .modal.identify import fits as fits
     from .report.curves import curves as curves
     from .report.curves import draw as draw

@@ -22,7 +22,7 @@ from .report.maps import regime_map
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .modal.modes import Modes
+    from .modes import Modes
 
 
 @xr.register_dataset_accessor("damper")

@@ -1,4 +1,4 @@
-"""Exceptions by name; all derive from ``WarpdampError``."""
+"""Exceptions by name, which all derive from ``WarpdampError``, and how their messages quote a file."""
 
 from __future__ import annotations
 
@@ -44,3 +44,8 @@ class ModalError(WarpdampError, ValueError):
 
 class MissingLibrary(WarpdampError, ImportError):
     """Library of an extra that is not installed; says how to install it."""
+
+
+def printable(line: str) -> str:
+    """Line with unprintable characters and line breaks spelt out."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)

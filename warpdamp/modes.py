@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..errors import ModalError
+from .errors import ModalError
 
 NODE = 1e-3
 """A damper sits on a node where a mode's shape is below this part of its largest: it adds a millionth there."""

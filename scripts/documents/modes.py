@@ -14,9 +14,9 @@ from shared import DOCS, ROOT, head, table, write_document
 from beam_theory import Timoshenko, circle, rectangle, tube
 from plate_theory import LEISSA, SIDE, STEEL, THICKNESS, UNIT, loaded_pinned_plate
 from warpdamp import Material, load
+from warpdamp.formats.mode_csv import write_csv
 from warpdamp.modal.beam import Beam, PointMass, beam_modes
 from warpdamp.modal.from_config import beam, modes
-from warpdamp.modal.mode_csv import write_csv
 from warpdamp.modal.section import Circle, Rectangle, Tube
 from warpdamp.modal.solid import Plate, StandingMass, plate_modes
 from warpdamp.report.figures import save

@@ -23,7 +23,7 @@ from frf_files import (
 )
 from warpdamp.cli.app import app
 from warpdamp.errors import ModalError
-from warpdamp.modal.frf_file import read_frf
+from warpdamp.formats.frf_file import read_frf
 from warpdamp.modal.identify import fits
 
 A, Y, H = accelerance(), integrated(1), integrated(2)

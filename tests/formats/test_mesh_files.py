@@ -7,9 +7,9 @@ import pytest
 
 from plate_theory import STEEL
 from warpdamp.errors import ModalError
+from warpdamp.formats.mesh_cells import EDGES, FACES, bent, tetrahedra, triangles
+from warpdamp.formats.mesh_file import load_mesh, load_named
 from warpdamp.modal.clamp import Clamp
-from warpdamp.modal.mesh_cells import EDGES, FACES, bent, tetrahedra, triangles
-from warpdamp.modal.mesh_file import load_mesh, load_named
 from warpdamp.modal.section import MeshedSection, moments
 from warpdamp.modal.solid import MeshedSolid, StandingMass, solid_modes
 

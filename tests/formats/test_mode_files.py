@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from warpdamp.errors import ModalError
-from warpdamp.modal.mode_csv import read_csv, write_csv
-from warpdamp.modal.mode_uff import read_uff, write_uff
-from warpdamp.modal.modes import Modes
+from warpdamp.formats.mode_csv import read_csv, write_csv
+from warpdamp.formats.mode_uff import read_uff, write_uff
+from warpdamp.modes import Modes
 
 pyuff = pytest.importorskip("pyuff")
 HEAD = "mode,frequency_Hz,modal_mass_kg,x_m,y_m,z_m,u_z\n"

@@ -5,8 +5,8 @@ import pytest
 
 from nastran_files import MASS, POINTS, dmig, exact, f06, grid, lumped, pch
 from warpdamp.errors import ModalError
-from warpdamp.modal.mode_nastran import UNCHECKED, read_nastran
-from warpdamp.modal.nastran_bulk import cards, geometry, real
+from warpdamp.formats.mode_nastran import UNCHECKED, read_nastran
+from warpdamp.formats.nastran_bulk import cards, geometry, real
 
 SIX_DIGITS = 5e-6
 CONSISTENT = MASS + 0.0002 * (np.eye(3, k=1) + np.eye(3, k=-1))

@@ -8,7 +8,7 @@ import pytest
 from scipy.sparse import csr_matrix, triu
 
 from warpdamp.errors import MissingLibrary, ModalError
-from warpdamp.modal.mode_rst import UNCHECKED, read_rst
+from warpdamp.formats.mode_rst import UNCHECKED, read_rst
 
 READER = "ansys.mapdl.reader"
 
@@ -25,7 +25,7 @@ def result(tmp_path):
 @pytest.fixture
 def mass_matrix(result, monkeypatch):
     """Puts a .full file beside, with the mass matrix M = V (V^T V)^-2 V^T, for which the shapes V are orthonormal."""
-    from warpdamp.modal import mode_rst as rst
+    from warpdamp.formats import mode_rst as rst
 
     label, _, _, shape = rst._results(result)
     freedom = np.array([(node, axis) for node in label for axis in range(3)])
@@ -47,7 +47,7 @@ def test_modes_with_their_mass_matrix(result, mass_matrix):
 
 
 def test_damaged_shapes_are_caught(result, mass_matrix, monkeypatch):
-    from warpdamp.modal import mode_rst as rst
+    from warpdamp.formats import mode_rst as rst
 
     right = rst._results
 

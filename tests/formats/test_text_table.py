@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from warpdamp.text_table import Column, TableError, column, read_rows, read_table
+from warpdamp.formats.text_table import Column, TableError, column, read_rows, read_table
 
 COLUMNS = (Column("Frequenz", "Hz"), Column("Re", "(m/s²)/N"), Column("Im"))
 VALUES = [[0.5, 2.0, -3.25], [1.5, 1e-3, 4.0]]

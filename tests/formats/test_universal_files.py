@@ -15,7 +15,7 @@ from universal_files import (
     write,
 )  # fmt: skip
 from warpdamp.errors import ModalError
-from warpdamp.modal.mode_uff import read_uff
+from warpdamp.formats.mode_uff import read_uff
 
 FIVE_DIGITS = 2e-5
 POINTS = [(0, 0, 0), (0.3, 0, 0)]

@@ -5,8 +5,8 @@ import pytest
 
 from universal_files import mode_55, mode_2414, nodes_15, nodes_2411, systems_18, systems_2420, units, write
 from warpdamp.errors import ModalError
-from warpdamp.modal.mode_uff import read_uff
-from warpdamp.modal.uff_geometry import UNITS
+from warpdamp.formats.mode_uff import read_uff
+from warpdamp.formats.uff_geometry import UNITS
 
 FIVE_DIGITS = 2e-5
 POINTS = [(0, 0, 0), (0.3, 0, 0)]

@@ -16,7 +16,7 @@ from warpdamp.modal.card import at_frequencies, card, damping, is_card, read_car
 from warpdamp.modal.card_nastran import write_nastran
 from warpdamp.modal.frf import ModalModel, accelerance, constant_force
 from warpdamp.modal.from_config import modes as structure_modes
-from warpdamp.modal.modes import Modes
+from warpdamp.modes import Modes
 from warpdamp.sweep.load import load
 
 PARTICLES, G = 0.02, 9.81

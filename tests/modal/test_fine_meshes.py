@@ -12,9 +12,9 @@ from warpdamp.modal import beam as beams
 from warpdamp.modal import eigenmodes, fem
 from warpdamp.modal import solid as solids
 from warpdamp.modal.beam import Beam, PointMass, beam_modes
-from warpdamp.modal.modes import Modes
 from warpdamp.modal.section import MeshedSection, Rectangle
 from warpdamp.modal.solid import Clamp, MeshedSolid, StandingMass, solid_modes
+from warpdamp.modes import Modes
 from warpdamp.report.tables import modes_table
 
 pytest.importorskip("meshio")

@@ -10,7 +10,7 @@ import xarray as xr
 from warpdamp import Drive
 from warpdamp.engine.ledger import maximum_energy
 from warpdamp.modal.damping import damping_ratio, normalised_damping, several_dampers
-from warpdamp.modal.modes import Modes
+from warpdamp.modes import Modes
 
 MASS = 0.024
 

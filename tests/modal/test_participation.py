@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from warpdamp.modal.beam import Beam, PointMass, beam_modes
-from warpdamp.modal.modes import Modes
 from warpdamp.modal.section import Rectangle
+from warpdamp.modes import Modes
 from warpdamp.scene.scene import Material
 
 STEEL = Material(7800, 210e9, 0.3)

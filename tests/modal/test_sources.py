@@ -9,8 +9,8 @@ from ruamel.yaml import YAML
 import warpdamp
 from conftest import ROOT
 from warpdamp import ConfigError, load
+from warpdamp.formats.mode_csv import read_csv
 from warpdamp.modal.from_config import modes
-from warpdamp.modal.mode_csv import read_csv
 
 PARTICLES = 0.0239985
 REST = """

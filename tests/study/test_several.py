@@ -12,8 +12,8 @@ from warpdamp.analysis.optimum import optimum
 from warpdamp.coupled.run import simulate
 from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
+from warpdamp.formats.mode_csv import read_csv
 from warpdamp.modal.from_config import modes, seen_by_all
-from warpdamp.modal.mode_csv import read_csv
 from warpdamp.report.tables import summary
 from warpdamp.study.explain import explain
 from warpdamp.study.several import every_damper, modes_of_all, studies

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from ..config.study import Config
     from ..modal.frf import ModalModel
-    from ..modal.modes import Modes
+    from ..modes import Modes
 
 MOST_REFUSED = 12
 """Fits that a command says why it left out."""
@@ -86,7 +86,7 @@ def _show_dampers(alone: list[Config], seen: list[Modes]) -> None:
 
 def _write_modes(modes: Modes, path: Path, title: str) -> None:
     """Write modes as a picture, a table or a universal file, as the suffix says."""
-    from ..modal.export import export
+    from ..formats.export import export
     from ..report.figures import PICTURES, save
     from ..report.mode_shapes import shapes
 
@@ -306,8 +306,8 @@ def fit(
     from rich.console import Console
 
     with one_line_errors():
+        from ..formats.frf_file import read_frf
         from ..modal.frf import chosen
-        from ..modal.frf_file import read_frf
         from ..modal.identify import fits
         from ..report.frf import fitted_curves
         from ..report.tables import fits_table

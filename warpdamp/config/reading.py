@@ -9,8 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..errors import ConfigError
-from ..text_file import printable
+from ..errors import ConfigError, printable
 from .messages import decimal_commas, explained, place, relevant
 from .study import Config
 

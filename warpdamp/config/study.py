@@ -13,9 +13,8 @@ from pydantic import (
     model_validator,
 )
 
-from ..errors import ConfigError
+from ..errors import ConfigError, printable
 from ..numerics.tolerance import FEWEST_PACKINGS
-from ..text_file import printable
 from .base import POSITIVE as _positive
 from .base import Model
 from .coupled import CoupledConfig

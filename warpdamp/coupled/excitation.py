@@ -15,7 +15,7 @@ from . import forces, noise, recorded, response
 if TYPE_CHECKING:
     from ..config.coupled import CoupledConfig
     from ..config.study import Config
-    from ..modal.modes import Modes
+    from ..modes import Modes
 
 RECORDS = 32
 """To a period of the fastest thing that happens."""

@@ -16,7 +16,7 @@ from ..scene.host import HostStructure
 from ..scene.scene import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from ..modal.modes import Modes
+    from ..modes import Modes
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UsageError
-from ..modal.frf_units import metres_per_second_squared, newtons, seconds
-from ..text_table import Column, TextTable, read_table
+from ..formats.frf_units import metres_per_second_squared, newtons, seconds
+from ..formats.text_table import Column, TextTable, read_table
 
 FACTORS = {"time": seconds, "force": newtons, "acceleration": metres_per_second_squared}
 NAMES = {"time": "time_s", "force": "force_N", "acceleration": "acceleration_m_s2 or acceleration_g"}

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..config.study import Config
-    from ..modal.modes import Modes
+    from ..modes import Modes
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..errors import ModalError
+from ..modes import Modes
 from .mode_csv import write_csv
 from .mode_uff import SUFFIXES, write_uff
-from .modes import Modes
 
 
 def export(modes: Modes, path: Path) -> None:

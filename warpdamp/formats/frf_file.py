@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import ModalError
-from ..text_file import TableError, printable
+from ..errors import ModalError, printable
 from ..variables import describe
 from .frf_curve import Curve
 from .frf_table import read_frf_table
 from .frf_uff import listed, read_frf_uff
 from .frf_units import Ordinate, one_of
+from .text_file import TableError
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -21,9 +21,9 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ModalError
-from ..text_table import Column, TextTable, read_table
 from .frf_curve import Curve
 from .frf_units import SI, Ordinate, agreed, hertz, ordinate
+from .text_table import Column, TextTable, read_table
 
 
 class Part(StrEnum):

@@ -24,8 +24,8 @@ import numpy as np
 
 from ..errors import ModalError
 from ..files import whole_file
-from ..text_table import Column, TextTable, read_table
-from .modes import Modes, mass_normalised
+from ..modes import Modes, mass_normalised
+from .text_table import Column, TextTable, read_table
 
 LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 PURE = {"": 1.0, "1": 1.0, "-": 1.0}

@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ModalError
-from ..text_file import read_text
+from ..modes import Modes, mass_normalised
 from . import orthonormal
-from .modes import Modes, mass_normalised
 from .nastran_bulk import Bulk, Card, cards, geometry, real
+from .text_file import read_text
 from .uff_geometry import UNITS, Nodes
 
 SUFFIXES = (".f06", ".pch")

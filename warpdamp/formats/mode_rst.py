@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ModalError
+from ..modes import Modes, mass_normalised
 from . import orthonormal
-from .modes import Modes, mass_normalised
 from .optional import needs
 from .uff_geometry import UNITS
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import ModalError
 from ..files import whole_file
-from .modes import Modes, mass_normalised
+from ..modes import Modes, mass_normalised
 from .optional import needs
 from .uff_geometry import Nodes, nodes
 from .uff_geometry import units as units_of

@@ -8,7 +8,7 @@ from __future__ import annotations
 import codecs
 from pathlib import Path
 
-from .errors import UsageError
+from ..errors import UsageError
 
 MARKS = (  # that of UTF-32 begins with that of UTF-16
     (codecs.BOM_UTF32_LE, "utf-32"),
@@ -76,8 +76,3 @@ def _undecodable_line(content: bytes) -> int:
     unknown = b"\0\x81\x8d\x8f\x90\x9d"
     first = min((at for at in map(content.find, (bytes([byte]) for byte in unknown)) if at >= 0), default=0)
     return content.count(b"\n", 0, first) + 1
-
-
-def printable(line: str) -> str:
-    """Line with unprintable characters and line breaks spelt out."""
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import ModalError
-from ..text_file import decode
+from .text_file import decode
 
 INTEGER_WIDTH = 10
 LARGEST = 1e100

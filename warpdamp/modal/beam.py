@@ -13,12 +13,12 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import diags, eye, kron, vstack
 
+from ..modes import Modes
 from ..scene.scene import Material
 from .eigenmodes import Attached, Elastic, elastic_modes, participation, turned
 from .extrusion import Carried, swept
 from .fem import Solid, extruded, graded, integrals
 from .mesh_error import swept_error
-from .modes import Modes
 from .reduced import converged
 from .section import Section, moments
 

@@ -34,7 +34,7 @@ from .damping import several_dampers
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .modes import Modes
+    from ..modes import Modes
 
 VERSION = 1
 """Of what a card holds, as its attribute ``card``."""

@@ -18,10 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import ModalError
+from ..errors import ModalError, printable
 from ..files import whole_file
-from ..text_file import TableError, printable, read_text
-from ..text_table import Column, TextTable, read_table
+from ..formats.text_file import TableError, read_text
+from ..formats.text_table import Column, TextTable, read_table
 from ..variables import INTEGERS, VARIABLES
 
 AXES = {"frequency": "Hz", "gamma": "1"}

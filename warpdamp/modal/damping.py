@@ -16,7 +16,7 @@ from ..analysis.results import over_packings
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .modes import Modes
+    from ..modes import Modes
 
 
 def strain_energy(displacement, amplitude, frequency):

@@ -26,7 +26,7 @@ from .harmonic_balance import branches
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .modes import Modes
+    from ..modes import Modes
 
 BACKGROUND = 60
 """Frequencies per octave between resonances."""

@@ -14,9 +14,9 @@ from ..config.build import material
 from ..config.structure import BeamConfig, BoxConfig, ModeFileConfig, PointMassConfig
 from ..config.study import Config
 from ..errors import ModalError
-from . import mode_csv, mode_nastran, mode_rst, mode_uff
+from ..formats import mode_csv, mode_nastran, mode_rst, mode_uff
+from ..modes import Modes
 from .clamp import Clamp
-from .modes import Modes
 from .section import Circle, MeshedSection, Rectangle, Section, Tube
 
 if TYPE_CHECKING:

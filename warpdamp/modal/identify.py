@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import ModalError
+from ..formats.frf_units import one_of
 from ..variables import describe
 from .fit import Damping, Fit, circle_fit, dobson, half_power_band, levels, line_fit
 from .fit_together import least_squares
 from .frf import complex_accelerance
-from .frf_units import one_of
 
 if TYPE_CHECKING:
     import xarray as xr

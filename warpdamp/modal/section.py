@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ..errors import ModalError
-from .mesh_file import load_mesh
+from ..formats.mesh_file import load_mesh
 
 if TYPE_CHECKING:
     from skfem import Basis, Mesh

@@ -13,13 +13,13 @@ from scipy.sparse import csr_matrix, eye, kron, vstack
 from scipy.sparse.csgraph import connected_components
 
 from ..errors import ModalError
+from ..formats.mesh_file import load_named
+from ..modes import Modes
 from ..scene.scene import Material
 from .clamp import Clamp
 from .eigenmodes import Attached, elastic_modes, participation, turned
 from .fem import Solid, extruded, graded, integrals, meshed
 from .mesh_error import solid_error
-from .mesh_file import load_named
-from .modes import Modes
 
 Edge = Literal["clamped", "pinned", "free"]
 PATCH_ORDER = 12

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import ModalError
-from ..modal.modes import Modes
+from ..modes import Modes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

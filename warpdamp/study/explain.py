@@ -25,7 +25,7 @@ from .speeds import TOGGLES, recall, without
 
 if TYPE_CHECKING:
     from ..damper.case import Spec
-    from ..modal.modes import Modes
+    from ..modes import Modes
     from ..sweep.plan import Plan
 
 LISTED_PAIRS = 8

@@ -33,7 +33,7 @@ from .dataset import preparation_coordinates
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..modal.modes import Modes
+    from ..modes import Modes
 
 
 def every_damper(config: Config) -> list[Config]:

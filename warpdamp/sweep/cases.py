@@ -43,7 +43,7 @@ from .reader import read_axes
 
 if TYPE_CHECKING:
     from ..damper.case import Criteria, Request, Spec
-    from ..modal.modes import Modes
+    from ..modes import Modes
 
 CHOSEN = {
     ("numerics", "steps_per_contact"),

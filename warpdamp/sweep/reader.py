@@ -12,7 +12,7 @@ from ..config.quantities import to_si
 from ..config.study import Config
 from ..config.sweep import Between, Range, SampleConfig, Span, spread
 from ..errors import ConfigError
-from ..text_table import Row, TableError, column, is_number, number, read_rows
+from ..formats.text_table import Row, TableError, column, is_number, number, read_rows
 from .axes import (
     CASE,
     GAMMA,
