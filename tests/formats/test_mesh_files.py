@@ -344,6 +344,13 @@ def test_abaqus_files_that_meshio_would_read_wrongly(tmp_path, line, message):
         load_mesh(tmp_path / "mesh.inp")
 
 
+def test_a_block_of_cells_without_cells_beside_one_with_them(tmp_path):
+    nodes = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n"
+    (tmp_path / "mesh.inp").write_text(f"{nodes}*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=C3D4\n")
+    with pytest.raises(ModalError, match=r"mesh.inp: of two blocks of a kind of cell, one is empty"):
+        load_mesh(tmp_path / "mesh.inp")
+
+
 def test_a_set_of_nodes_that_are_none_of_the_solid(written):
     points, cells = strip()
     points = np.concatenate([points, [[0.0, 0.0, 50.0]]])

@@ -62,7 +62,7 @@ def load_named(file: Path, unit: float = 1.0) -> NamedMesh:
         counted.
     """
     source = _read(Path(file))
-    cells = {kind: rows for kind, rows in source.cells_dict.items() if len(rows)}
+    cells = _cells(file, source)
     unknown = {kind: rows for kind, rows in cells.items() if kind not in KNOWN}
     if unknown or not cells:
         raise ModalError(f"{file} holds {_counts(unknown) or 'no cells'}: no such cells can be computed with")
@@ -96,6 +96,16 @@ def _read(file: Path) -> meshio.Mesh:
     except (Exception, SystemExit) as error:  # its readers let through whatever they meet
         reason = " ".join(f"{said.getvalue()} {'' if isinstance(error, SystemExit) else error}".split())
         raise ModalError(f"{file} holds no mesh that meshio reads: {reason or type(error).__name__}") from None
+
+
+def _cells(file: Path, source: meshio.Mesh) -> dict[str, np.ndarray]:
+    """Nodes of the cells of every kind that the mesh has, one cell a row."""
+    try:
+        return {kind: rows for kind, rows in source.cells_dict.items() if len(rows)}
+    except ValueError:  # meshio joins the blocks of a kind, whatever is in them
+        raise ModalError(
+            f"{file}: of two blocks of a kind of cell, one is empty or has other nodes to a cell: export the mesh again"
+        ) from None
 
 
 def _check_abaqus(file: Path) -> None:
