@@ -57,10 +57,11 @@ def read_csv(path, *, modal_mass=None) -> Modes:
 
     Raises
     ------
-    ValueError
-        A ``TableError`` if there is no such file or it is no table of numbers; a ``ModalError`` if a column is missing
-        or unknown or its unit is, a number is none that a mode can have, modes differ in their points, or if a mode has
-        no modal mass.
+    TableError
+        If there is no such file, or it is no table of numbers.
+    ModalError
+        If a column is missing or unknown or its unit is, a number is none that a mode can have, modes differ in their
+        points, or if a mode has no modal mass.
     """
     table = read_table(Path(path))
     cells = _quantities(table)
