@@ -272,7 +272,7 @@ def test_what_is_no_card_is_refused_with_its_place(tmp_path):
     with pytest.raises(ModalError, match="is a damaged card: it has no quadrature_mass"):
         read_card(tmp_path / "damaged.nc")
     (tmp_path / "text.nc").write_text("no netCDF")
-    with pytest.raises(UsageError, match="is not a netCDF file"):
+    with pytest.raises(UsageError, match="is no netCDF file, or a damaged one"):
         read_card(tmp_path / "text.nc")
     with pytest.raises(ModalError, match=r"name a file that ends in \.nc or \.csv"):
         write_card(card(listed()), tmp_path / "a.txt")
@@ -315,7 +315,7 @@ def test_the_commands(tmp_path):
         ("card", beam, "-o", tmp_path / "d.bdf"): "give it by --gamma",
         ("card", beam, "--gamma", 5, "-o", tmp_path / "d.csv"): "leave it out",
         ("card", beam, "-o", tmp_path / "d.txt"): "name a file that ends in .nc or .csv, or in .bdf or .dat",
-        ("card", tmp_path / "none.nc"): "No such file",
+        ("card", tmp_path / "none.nc"): "there is no file",
     }.items():
         done = warpdamp(*arguments)
         assert done.exit_code == 2, (arguments, done.output)

@@ -176,9 +176,7 @@ def read_card(file: str | Path) -> xr.Dataset:
     ModalError
         If a table is no card or is damaged; names its line.  If results give none: see ``card``.
     UsageError
-        If the file holds neither a card nor results.
-    FileNotFoundError
-        If there is no such file.
+        If there is no such file, or it holds neither a card nor results.
     """
     file = Path(file)
     if file.suffix.lower() == ".csv":
