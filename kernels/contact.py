@@ -8,7 +8,8 @@ With overlap d, contact radius a = sqrt(R* d) and reduced mass m* (a wall: R* = 
 where vn is the approach speed, vt the slip velocity, and the stretch xi follows d(xi)/dt = -vt (Hertz; Mindlin 1949;
 Tsuji, Tanaka & Ishida 1992, doi:10.1016/0032-5910(92)88030-L).  Dry grains do not pull: without tension the impulse of
 sliding friction is mu times that of the normal force, (1 + e) m* vn, which the pull of the textbook's dashpot raises by
-3 % at e = 0.5.  Its b is found so that a bounce still returns the restitution asked for; see ``warpdamp/scene/contact.py``.
+3 % at e = 0.5.  Its b is found so that a bounce still returns the restitution asked for; see
+``warpdamp/scene/contact.py``.
 
 Tangential history
     The spring's stretch xi is stored with the contact radius of the same moment.  When a contact unloads, St falls and
