@@ -16,6 +16,9 @@ ROOT = Path(__file__).parents[1]
 HEAVY = {"warp", "xarray", "scipy", "skfem", "matplotlib", "pint", "netCDF4", "rich", "meshio", "pyuff", "distributed"}
 """Libraries that take a tenth of a second and more to import."""
 
+SELDOM = "warpdamp.formats"
+"""Readers of other people's files take as long together, and most configurations name none."""
+
 LEVELS = (
     {"version", "errors", "status", "scene", "kernels"},
     {"files", "variables", "modes", "numerics"},
@@ -101,7 +104,11 @@ def is_heavy(name: str, seen: set[str]) -> bool:
     """Whether importing a module imports a library that takes its time."""
     seen.add(name)
     deeper = AT_TOP[name].inner - seen
-    return bool(AT_TOP[name].libraries & HEAVY) or any(is_heavy(other, seen) for other in deeper)
+    return (
+        name.startswith(SELDOM)
+        or bool(AT_TOP[name].libraries & HEAVY)
+        or any(is_heavy(other, seen) for other in deeper)
+    )
 
 
 @pytest.mark.parametrize("name", [name for name in MODULES if not name.startswith("warpdamp.cli")])

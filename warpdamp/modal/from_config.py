@@ -11,10 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..config.build import material
-from ..config.structure import BeamConfig, BoxConfig, ModeFileConfig, PointMassConfig
+from ..config.structure import BeamConfig, BoxConfig, PointMassConfig
 from ..config.study import Config
-from ..errors import ModalError
-from ..formats import mode_csv, mode_nastran, mode_rst, mode_uff
 from ..modes import Modes
 from .clamp import Clamp
 from .section import Circle, MeshedSection, Rectangle, Section, Tube
@@ -206,30 +204,15 @@ def _standing_masses(config: Config) -> list[StandingMass]:
 
 
 def _mode_file(config: Config, particles: float) -> Modes:
+    from ..formats.mode_file import read_modes
+
     own = config.structure.mode_file
     file = _file(config, own.file)
-    every = _read_modes(file, own)
+    every = read_modes(file, modal_mass=own.modal_mass, units=own.units)
     direction = _direction(own.direction)
     seen = every.at(own.position, direction) if own.node is None else every.at_label(own.node, direction)
     seen = _with_participation(seen, own.participation)
     return seen if config.structure.particles_included else seen.with_mass(particles)
-
-
-def _read_modes(file: Path, own: ModeFileConfig) -> Modes:
-    """The modes in a file, by the reader of its suffix."""
-    suffix = file.suffix.lower()
-    if suffix in mode_uff.SUFFIXES:
-        return mode_uff.read_uff(file, modal_mass=own.modal_mass, units=own.units)
-    if suffix in mode_nastran.SUFFIXES:
-        return mode_nastran.read_nastran(file, modal_mass=own.modal_mass, units=own.units)
-    if suffix in mode_rst.SUFFIXES:
-        return mode_rst.read_rst(file, modal_mass=own.modal_mass, units=own.units)
-    if suffix != ".csv":
-        every = (".csv", *mode_uff.SUFFIXES, *mode_nastran.SUFFIXES, *mode_rst.SUFFIXES)
-        raise ModalError(f"{file}: modes are read from {', '.join(every[:-1])} or {every[-1]}")
-    if own.units is not None:
-        raise ModalError(f"{file}: units are those of the table's columns, as x_m: leave units out")
-    return mode_csv.read_csv(file, modal_mass=own.modal_mass)
 
 
 def _modes_given(config: Config, particles: float) -> Modes:

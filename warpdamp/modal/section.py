@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ..errors import ModalError
-from ..formats.mesh_file import load_mesh
 
 if TYPE_CHECKING:
     from skfem import Basis, Mesh
@@ -107,6 +106,8 @@ class MeshedSection:
             If the file is no plane mesh, or if the section's principal axes are not those of the beam.
         """
         from skfem import Basis, ElementQuad2, ElementTriP2, MeshQuad1, MeshTri1
+
+        from ..formats.mesh_file import load_mesh
 
         mesh = load_mesh(self.file, self.unit)
         if not isinstance(mesh, MeshTri1 | MeshQuad1):
