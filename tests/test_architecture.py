@@ -16,8 +16,8 @@ ROOT = Path(__file__).parents[1]
 HEAVY = {"warp", "xarray", "scipy", "skfem", "matplotlib", "pint", "netCDF4", "rich", "meshio", "pyuff", "distributed"}
 """Libraries that take a tenth of a second and more to import."""
 
-SELDOM = "warpdamp.formats"
-"""Readers of other people's files take as long together, and most configurations name none."""
+SELDOM = ("warpdamp.formats", "warpdamp.modal")
+"""Readers of other people's files, and what finds modes, take as long together; a configuration is read without them."""
 
 LEVELS = (
     {"version", "errors", "status", "scene", "kernels"},

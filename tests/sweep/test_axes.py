@@ -230,8 +230,8 @@ def test_a_case_is_known_by_what_it_depends_on(study):
 
 def test_a_kept_plan_is_the_plan(study, tmp_path, monkeypatch):
     """Read back by the folder's own study without making it again; made again when it is damaged."""
-    from warpdamp.sweep import load as loading
     from warpdamp.sweep import plan as planning
+    from warpdamp.sweep import stored as loading
 
     text = BASE.replace("preparation: loose", "preparation: carried").replace(
         "[40 Hz, 80 Hz]", "{log: [40 Hz, 81 Hz], n: 3}"

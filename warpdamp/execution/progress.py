@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..status import FIRST_UNFINISHED
-from ..sweep.load import load_plan
 from ..sweep.plan import Fate
+from ..sweep.stored import load_plan
 from .adaptive import NEEDED, needed_cases
 from .run_log import EVERY
 from .store import Store

@@ -20,9 +20,10 @@ from ..execution.runner import Runner
 from ..execution.store import Finished, Store
 from ..status import FIRST_UNFINISHED, Status
 from ..sweep.cases import Cases
-from ..sweep.load import load, load_plan
+from ..sweep.load import load
 from ..sweep.plan import Plan, load_or_make_plan, save_plan
 from ..sweep.resolve import self_contained, shortened, with_tolerance
+from ..sweep.stored import load_plan
 from .dataset import assemble
 from .several import combined, studies
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from ..config.study import Config
 from ..damper.case import PAPER_SETTLING, Criteria, Request, Spec, paper_criteria
-from ..modal.from_config import modes
 from ..numerics.timestep import (
     FEWEST_STEPS_PER_CONTACT,
     FEWEST_STEPS_PER_CYCLE,
@@ -185,6 +184,8 @@ class Cases:
 
     def _own_modes(self, single: Config) -> Modes:
         """Modes of the structure with a point's particles; computed once for each structure and particle mass."""
+        from ..modal.from_config import modes as modes_of_structure
+
         particles = particle_mass(single)
         structure = single.structure.model_dump(mode="json")
         materials = {
@@ -192,7 +193,7 @@ class Cases:
         }
         key = json.dumps([particles, structure, materials])
         if key not in self._modes:
-            self._modes[key] = modes(single, particles=particles)
+            self._modes[key] = modes_of_structure(single, particles=particles)
         return self._modes[key]
 
     def numbers(self, point: Point) -> Iterator[tuple[int, tuple[int, int, int]]]:

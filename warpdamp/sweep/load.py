@@ -1,4 +1,4 @@
-"""Loading of a study from its YAML file, or from the folder that holds its results."""
+"""Loading of a study from its YAML file."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from pathlib import Path
 
 from ..config.reading import read
 from ..config.study import Config
-from ..errors import StoreError
 from .cases import Cases
-from .plan import Plan, load_or_make_plan
 
 
 def load(path: str | Path) -> Config:
@@ -42,24 +40,3 @@ def load(path: str | Path) -> Config:
     config = read(path)
     Cases(config)  # what is wrong with a sweep is said now
     return config
-
-
-def load_plan(folder: Path) -> Plan:
-    """Plan of the study that a folder holds.
-
-    Parameters
-    ----------
-    folder : Path
-
-    Returns
-    -------
-    Plan
-
-    Raises
-    ------
-    StoreError
-        If it holds none.
-    """
-    if not (folder / "study.yaml").is_file():
-        raise StoreError(f"{folder}: holds no study (no study.yaml): give the folder that warpdamp run made")
-    return load_or_make_plan(Cases(load(folder / "study.yaml")), folder)
