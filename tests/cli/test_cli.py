@@ -66,7 +66,7 @@ def test_modes(config_path):
 
 def test_modes_can_be_drawn_and_written(tmp_path):
     config = ROOT / "configs" / "cantilever.yaml"
-    for name, head in (("modes.png", b"\x89PNG"), ("modes.csv", b"mode,frequency_Hz"), ("modes.uff", b"    -1")):
+    for name, head in (("modes.png", b"\x89PNG"), ("modes.csv", b"mode,frequency_Hz"), ("new/modes.uff", b"    -1")):
         done = warpdamp("modes", config, "-o", tmp_path / name)
         assert done.returncode == 0, done.stderr
         assert "54.73" in done.stdout

@@ -30,9 +30,7 @@ def modes(
     config: ConfigArgument,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o", "--output", help="Write those with the particles: a picture (.png), or a .csv or .uff file."
-        ),
+        typer.Option("-o", "--output", help="Write those with the particles: .png, .pdf or .svg, or .csv or .uff."),
     ] = None,
 ) -> None:
     """Show the structure's modes, without and with the particles' mass."""
@@ -90,6 +88,7 @@ def _write_modes(modes: Modes, path: Path, title: str) -> None:
     from ..report.figures import PICTURES, save
     from ..report.mode_shapes import shapes
 
+    writable(path.parent)
     if path.suffix.lower() in PICTURES:
         save(shapes(modes, title), path)
     else:
