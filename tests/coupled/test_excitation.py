@@ -167,6 +167,15 @@ def test_noise_is_deterministic_and_has_its_density():
 
 
 @pytest.mark.parametrize(
+    "written", ["0.04 g^2/Hz", "0.04 g2/Hz", "0.04 G²/Hz", "4e-2g**2 / Hz", "3.849444 (m/s^2)^2/Hz"]
+)
+def test_spellings_of_a_density(write, written):
+    text = f"coupled: {{duration: 1 s, base: {{random: {{spectrum: [[20 Hz, {written}], [30 Hz, {written}]]}}}}}}\n"
+    table = load(write(LIGHT + text)).coupled.base.random.spectrum
+    assert [density for _, density in table] == pytest.approx([0.04 * STANDARD_GRAVITY**2] * 2, rel=1e-12)
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         (
@@ -176,7 +185,7 @@ def test_noise_is_deterministic_and_has_its_density():
         ("base: {}", "base: give exactly one of harmonic, swept, random and recorded; got none"),
         ("base: {random: {spectrum: NAVMAT P-9429}}", "no spectrum 'NAVMAT P-9429'; did you mean 'NAVMAT P-9492'"),
         ("base: {random: {spectrum: MIL-STD-810H}}", r"no spectrum 'MIL-STD-810H'; .* or give its breakpoints"),
-        ("base: {random: {spectrum: [[20 Hz, 1 N^2/Hz], [30 Hz, 1]]}}", "has the wrong unit"),
+        ("base: {random: {spectrum: [[20 Hz, 1 N^2/Hz], [30 Hz, 1]]}}", "has the wrong unit.* or in g\\^2/Hz$"),
         ("base: {random: {spectrum: [[30 Hz, 1 g^2/Hz], [20 Hz, 1 g^2/Hz]]}}", "in the order of their frequencies"),
         ("base: {random: {spectrum: [[30.01 Hz, 1 g^2/Hz], [30.02 Hz, 1 g^2/Hz]]}}", "run it longer"),
         (

@@ -19,13 +19,18 @@ Hertz = Annotated[Frequency, POSITIVE]
 Gamma = Annotated[Number, POSITIVE]
 Seed = Annotated[StrictInt, Field(ge=0)]
 
-_IN_G = re.compile(r"^(.*?)\s*g(?:\^2|\*\*2|²)\s*/\s*Hz\s*$")
+_IN_G = re.compile(r"^(.*?)\s*[gG](?:\^2|\*\*2|²|2)\s*/\s*Hz\s*$")
 
 
 def _acceleration_density(value: Any) -> float:
     """A density in g^2/Hz (g, not gram), or as any other quantity, in (m/s^2)^2/Hz."""
     in_g = _IN_G.match(value) if isinstance(value, str) else None
-    return to_si(in_g[1], "") * STANDARD_GRAVITY**2 if in_g else to_si(value, "m^2/s^3")
+    if in_g:
+        return to_si(in_g[1], "") * STANDARD_GRAVITY**2
+    try:
+        return to_si(value, "m^2/s^3")
+    except ValueError as error:
+        raise ValueError(f"{error}, which is (m/s^2)^2/Hz, or in g^2/Hz") from None
 
 
 AccelerationDensity = Annotated[
