@@ -63,8 +63,9 @@ def test_the_papers_study_is_read_in_si(config_path):
         ("count: 120", "count: true", r"damper.particles.count: .*integer"),
         ("position: 290 mm", "position: 580 mm", r"point_mass.position: is at a clamped end"),
         ("gravity: 9.81 m/s^2", "gravity: 0", r"preparation: a bed cannot be compacted without gravity"),
-        ("  steel:\n", "  rubber: {density: 1, youngs_modulus: 1, poissons_ratio: 0}\n  steel:\n", r"materials.rubber: is not used"),
+        ("  steel:\n", "  rubber: {density: 1, youngs_modulus: 1, poissons_ratio: 0}\n  steel:\n", r"materials.rubber: is not used by anything: leave it out"),
         ("seeds: [1, 2, 3]", "seeds: [1]\nseeds: [2]", r"not YAML: found duplicate key"),
+        ("seeds: [1, 2, 3]", "\tseeds: [1]", r"not YAML: .*; indent with blanks, not with tabs"),
     ],
 )  # fmt: skip
 def test_one_line_for_one_error(tmp_path, config_path, old, new, message):
@@ -88,6 +89,13 @@ def test_a_file_that_is_no_configuration(tmp_path, content):
     path = tmp_path / "study.yaml"
     path.write_bytes(content)
     with pytest.raises(ConfigError, match=r"not YAML|not a warpdamp configuration"):
+        load(path)
+
+
+def test_a_configuration_in_another_encoding(tmp_path, config_path):
+    path = tmp_path / "study.yaml"
+    path.write_text(config_path.read_text(), encoding="utf-16")
+    with pytest.raises(ConfigError, match=r"no UTF-8 text \(byte 0\): save it as UTF-8"):
         load(path)
 
 

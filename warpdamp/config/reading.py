@@ -53,7 +53,7 @@ def _read(path: Path):
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: not YAML: no UTF-8 text (byte {error.start})") from None
+        raise ConfigError(f"{path}: not YAML: no UTF-8 text (byte {error.start}): save it as UTF-8") from None
     try:
         data = YAML(typ="rt").load(text)
     except MarkedYAMLError as error:
@@ -61,6 +61,8 @@ def _read(path: Path):
         problem = error.problem
         if found := re.match(r'found duplicate key "(\d+)" with value "None"', problem or ""):
             problem += f"; if {found[1]} stands behind a decimal comma, write a decimal point"
+        if r"'\t'" in (problem or ""):
+            problem += "; indent with blanks, not with tabs"
         raise ConfigError(printable(f"{path}:{mark.line + 1}:{mark.column + 1}: not YAML: {problem}")) from None
     except (YAMLError, ValueError) as error:
         raise ConfigError(printable(f"{path}: not YAML: {' '.join(str(error).split())}")) from None

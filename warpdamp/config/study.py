@@ -131,7 +131,7 @@ class Config(Model):
                 raise ValueError(f"{where}: there is no material '{name}'{suggestion(name, self.materials)}")
         for name in self.materials:
             if name not in named.values():
-                raise ValueError(f"materials.{name}: is not used by anything")
+                raise ValueError(f"materials.{name}: is not used by anything: leave it out")
         if material and any(isinstance(value, list) for value in vars(self.materials[material]).values()):
             raise ValueError(f"structure.{self.structure.source}.material: the structure's material cannot be swept")
         if self.excitation.frequency == "modes" and not self.structure:
