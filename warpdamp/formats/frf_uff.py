@@ -72,7 +72,7 @@ def read_frf_uff(
     if not chosen:
         raise ModalError(f"{file}: none of its FRFs is the one asked for; there are {listed(frfs)}")
     aside = len(functions) - len(frfs)
-    remark = f"{aside} other functions of the file are left aside" if aside else ""
+    remark = f"functions of the file that are left aside: {aside}" if aside else ""
     return [_curve(f, system, given, unit, remark) for f in chosen]
 
 

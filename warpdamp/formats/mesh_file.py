@@ -95,7 +95,8 @@ def _read(file: Path) -> meshio.Mesh:
             return meshio.read(file)
     except (Exception, SystemExit) as error:  # its readers let through whatever they meet
         reason = " ".join(f"{said.getvalue()} {'' if isinstance(error, SystemExit) else error}".split())
-        raise ModalError(f"{file} holds no mesh that meshio reads: {reason or type(error).__name__}") from None
+        reason = reason or type(error).__name__
+        raise ModalError(f"{file} holds no mesh that meshio reads: {reason}: export it again") from None
 
 
 def _cells(file: Path, source: meshio.Mesh) -> dict[str, np.ndarray]:
