@@ -124,7 +124,7 @@ LINE = "20,1,2\n21,3,4\n"
         ("f,re,im\n", {}, "holds no rows of numbers"),
         ("f,re,im\n20,1,2\n21,x,2\n", {}, r":3: re: 'x' is no number"),
         ("f,re,im\n20,1,2\n21,nan,2\n", {}, r":3: .*not finite"),
-        ("f,re,im\n20,1,2\n-21,1,2\n", {}, r":3: a frequency of -21 Hz is negative: leave such lines out; .* as it is$"),
+        ("f,re,im\n20,1,2\n-21,1,2\n", {}, r":3: a frequency of -21 Hz is negative: leave such lines out: .* as it is$"),
         ("f,re,im\n20,1,2\n20,1,2\n", {}, r":3: 20 Hz was given before, at .*:2: keep one"),
         ("f,re,im\n0,1,2\n", {}, r":2: there is no value above 0 Hz"),
         ("20,1,2,3\n21,1,2,3\n", {}, r":1: 4 columns without names"),

@@ -50,7 +50,7 @@ class Curve:
         frequency, values = np.asarray(frequency, float), np.asarray(values, complex)
         for wrong, what in (
             (~(np.abs(frequency) < LARGEST), "is no frequency"),
-            (frequency < 0, "is negative: leave such lines out; of a two-sided FRF the positive side is the whole, as it is"),
+            (frequency < 0, "is negative: leave such lines out: those above 0 Hz are a two-sided FRF as it is"),
         ):
             if wrong.any():
                 k = int(np.argmax(wrong))
