@@ -17,6 +17,7 @@ from warpdamp.modal.card_nastran import write_nastran
 from warpdamp.modal.frf import ModalModel, accelerance, constant_force
 from warpdamp.modal.from_config import modes as structure_modes
 from warpdamp.modes import Modes
+from warpdamp.status import Status
 from warpdamp.sweep.load import load
 
 PARTICLES, G = 0.02, 9.81
@@ -290,6 +291,10 @@ def test_the_commands(tmp_path):
     done = warpdamp("card", beam, "-o", part)
     assert done.exit_code == 0, done.output
     assert is_card(open_results(part))
+    unsteady = (
+        f"{int((open_results(part)['status'] == Status.DRIFTING).sum())} of 63 points of the card: still drifting"
+    )
+    assert unsteady in done.output
     for more in ((tmp_path / "d.csv",), (tmp_path / "d.dat", "--gamma", 5)):
         assert warpdamp("card", part, "-o", *more).exit_code == 0
     done = warpdamp("frf", tmp_path / "d.csv", "--structure", config, "-o", tmp_path / "frf.nc")
@@ -300,6 +305,7 @@ def test_the_commands(tmp_path):
     done = warpdamp("damping", part, "--structure", config, "-o", tmp_path / "damping.nc")
     assert done.exit_code == 0, done.output
     assert "0.02732 ± 0.001" in done.output
+    assert unsteady in done.output
     for arguments, message in {
         ("frf", part): "is a card, a damper without a structure: name one by --structure CONFIG",
         ("frf", part, "--structure", ROOT / "configs" / "frequency_map.yaml"): "missing: a damper needs a structure",

@@ -227,6 +227,7 @@ def card(
         from ..modal.card import write_card
         from ..modal.card_nastran import SUFFIXES, write_nastran
         from ..modal.frf import chosen
+        from ..report.tables import card_verdicts
 
         target = output or file.with_name(f"{file.stem}.card.nc")
         part = card_of(chosen(_results_or_card(file), at or []))
@@ -241,6 +242,8 @@ def card(
         else:
             write_card(part, target)
     print(target)
+    for line in card_verdicts(part):
+        print(line)
 
 
 @app.command()
@@ -257,11 +260,12 @@ def damping(
     with one_line_errors():
         from ..analysis.results import write
         from ..modal import card as cards
-        from ..report.tables import dampers_table
+        from ..report.tables import card_verdicts, dampers_table
         from ..study.several import modes_with
 
         checked = _structural(structure)
         parts = [cards.read_card(file) for file in files]
+        said = list(dict.fromkeys(line for part in parts for line in card_verdicts(part)))
         if len(parts) == 1:
             parts *= 1 + len(checked.dampers)
         modes = modes_with(checked, [float(part["particle_mass"]) for part in parts])
@@ -272,6 +276,8 @@ def damping(
             writable(output.parent)
             write(found, output)
     Console().print(dampers_table(found))
+    for line in said:
+        print(line)
 
 
 @app.command()

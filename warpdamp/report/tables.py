@@ -231,6 +231,13 @@ def verdicts(dataset: xr.Dataset) -> list[str]:
     return lines
 
 
+def card_verdicts(part: xr.Dataset) -> list[str]:
+    """Sentences on the points of a card whose worst case was not steady, worst first."""
+    status = part["status"].values
+    ends = [s for s in reversed(Status) if s > Status.STEADY and np.any(status == s)]
+    return [f"{np.sum(status == s)} of {status.size} points of the card: {s.meaning}" for s in ends]
+
+
 def _packings(dataset: xr.Dataset) -> str:
     fewest, most = int(dataset["packings"].min()), int(dataset["packings"].max())
     return f"{fewest} packings each" if fewest == most else f"{fewest} to {most} packings each"
