@@ -76,6 +76,12 @@ def run(
     console.print(summary(dataset))
     for line in verdicts(dataset):
         console.print(line, highlight=False)
+    if quick:
+        console.print(
+            "quick look: loose beds, one seed, 12 cycles a case and a few amplitudes, whatever the configuration says of "
+            "these; run without --quick for the study itself",
+            highlight=False,
+        )
     spent = time.perf_counter() - started
     console.print(f"{path} and {path.stem}.png, in {spent:.0f} s", highlight=False)
 

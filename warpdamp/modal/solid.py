@@ -17,11 +17,13 @@ from ..formats.mesh_file import load_named
 from ..modes import Modes
 from ..scene.scene import Material
 from .clamp import Clamp
-from .eigenmodes import Attached, elastic_modes, participation, turned
+from .eigenmodes import Attached, elastic_modes, is_held, participation, turned
 from .fem import Solid, extruded, graded, integrals, meshed
 from .mesh_error import solid_error
 
 Edge = Literal["clamped", "pinned", "free"]
+
+FLOATS = "left out: rigid-body motions, which what is clamped leaves free"
 PATCH_ORDER = 12
 """Of the quadrature that finds the edge of a patch: elements there may be as large as the patch."""
 
@@ -190,7 +192,8 @@ def solid_modes(solid: MeshedSolid, damper: StandingMass, masses=(), *, highest:
     def error(squares, vectors):
         return solid_error(basis, solid.material, squares, vectors)
 
-    return _modes(body, standing, patches, basis.nodal_dofs[0], solid.direction, highest, error)
+    found = _modes(body, standing, patches, basis.nodal_dofs[0], solid.direction, highest, error)
+    return found if is_held(body) else replace(found, remark=FLOATS)
 
 
 @lru_cache(maxsize=1)
