@@ -78,7 +78,7 @@ def run(
         console.print(line, highlight=False)
     if quick:
         console.print(
-            "quick look: loose beds, one seed, 12 cycles a case and a few amplitudes, whatever the configuration says of "
+            "quick look: loose beds, one seed, 12 cycles a case, a few amplitudes, whatever the configuration says of "
             "these; run without --quick for the study itself",
             highlight=False,
         )
