@@ -1,0 +1,246 @@
+"""The paper's two optima in compacted beds, and what the clearance explains; writes docs/two_optima.*.
+
+    python scripts/documents/two_optima.py                        # the document, from docs/two_optima.nc
+    python scripts/documents/two_optima.py simulate [--workers N] # the runs anew: about twenty minutes on one core
+
+The paper's damper on its beam, eight packings, Gamma 0.5 to 14 in steps of 0.5.  May be stopped and started again:
+results/two_optima keeps what is done.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+import xarray as xr
+from shared import DOCS, ROOT, head, panels, progress, table, write_document
+
+import warpdamp.accessor  # noqa: F401  gives datasets their ``damper``
+from warpdamp import load, run
+from warpdamp.analysis.optimum import collision_optimum
+from warpdamp.analysis.results import write
+from warpdamp.config.study import Config
+
+RUNS = DOCS / "two_optima.nc"
+SEEDS, GAMMAS, STEPS = list(range(1, 9)), list(np.arange(1, 29) / 2), 16
+CYCLES = {(1,): 90, (3, 5): 200}
+"""Modes, and the cycles of each of their cases."""
+
+KEPT = (
+    "effectiveness", "effectiveness_standard_error", "energy_dissipated", "clearance", "clearance_after", "status",
+    "cycles", "cycles_discarded", "ledger_residual", "floor_impulse", "lid_impulse", "cpu_time",
+)  # fmt: skip
+
+
+def job(modes: tuple[int, ...]) -> Config:
+    """The main job on every half Gamma, with eight packings and runs of one length."""
+    values = load(ROOT / "configs" / "beam.yaml").model_dump()
+    values["structure"]["modes"] = list(modes)
+    values["excitation"]["gamma"] = GAMMAS
+    length = {"fewest_cycles": CYCLES[modes], "most_cycles": CYCLES[modes]}
+    changes = {"steady_state": length, "numerics": {"steps_per_contact": STEPS}, "seeds": SEEDS}
+    return Config.model_validate(values | changes)
+
+
+def simulate(workers: int | None) -> None:
+    """All modes, each from the same beds."""
+    store = ROOT / "results" / "two_optima"
+    parts = []
+    for modes in CYCLES:
+        name = "-".join(map(str, modes))
+        results = run(job(modes), store=store / name, workers=workers, report=progress("modes", name))
+        parts.append(results[list(KEPT)])
+    together = xr.concat(parts, "frequency", combine_attrs="override")
+    together = together.assign_coords(mode=("frequency", [mode for modes in CYCLES for mode in modes]))
+    together = together.swap_dims(frequency="mode").reset_coords("frequency").rename(frequency="natural_frequency")
+    together.attrs = {"title": "The paper's damper on its beam, eight compacted packings"}
+    write(together, RUNS)
+
+
+def optima(results: xr.Dataset) -> xr.Dataset:
+    """Both optima of each mode, with standard errors."""
+    return results.damper.optimum()
+
+
+def at_peaks(curve: xr.DataArray, low: float, high: float) -> dict[str, float]:
+    """Points of the grid next to the two optima, and the lowest between them."""
+    mean, gamma = curve.mean("seed"), curve["gamma"]
+    peak, top = (float(gamma.sel(gamma=where, method="nearest")) for where in (low, high))
+    between = mean.sel(gamma=slice(peak, top))
+    return {"fluidisation": peak, "dip": float(gamma.sel(gamma=between.idxmin())), "collision": top}
+
+
+def paired(curve: xr.DataArray, one: float, other: float) -> tuple[float, float]:
+    """Difference of two amplitudes and its standard error, packing by packing."""
+    return mean_and_error((curve.sel(gamma=one) - curve.sel(gamma=other)).values)
+
+
+def mean_and_error(values) -> tuple[float, float]:
+    """Mean of independent values, and its standard error."""
+    return float(np.mean(values)), float(np.std(values, ddof=1) / np.sqrt(len(values)))
+
+
+def spread(curves: xr.DataArray) -> xr.DataArray:
+    """Standard deviation between packings over their mean."""
+    return curves.std("seed", ddof=1) / curves.mean("seed")
+
+
+def rms(values) -> float:
+    """Root mean square of what is finite."""
+    return float(np.sqrt(np.nanmean(np.square(np.asarray(values, float)))))
+
+
+def without_clearance(curves: xr.DataArray, clearance: xr.DataArray) -> xr.DataArray:
+    """Standard deviation between packings about a straight line over their clearance, relative; by amplitude."""
+    relative = curves / curves.mean("seed") - 1
+    shift = clearance - clearance.mean("seed")
+    slope = (relative * shift).sum("seed") / (shift**2).sum("seed")
+    return np.sqrt(((relative - slope * shift) ** 2).sum("seed") / (curves.sizes["seed"] - 2))
+
+
+def over_block(curves: xr.DataArray, clearance: xr.DataArray, frequency: float, at: np.ndarray) -> xr.DataArray:
+    """Curves over Gamma / Gamma_c, Gamma_c a block's with each packing's clearance, interpolated to ``at``."""
+    optimum = collision_optimum(frequency, clearance)
+    own = [
+        np.interp(at, curves["gamma"] / float(optimum.sel(seed=s)), curves.sel(seed=s), np.nan, np.nan)
+        for s in curves["seed"].values
+    ]
+    return xr.DataArray(np.array(own), {"seed": curves["seed"].values, "ratio": at}, ("seed", "ratio"))
+
+
+def optima_rows(results: xr.Dataset):
+    """Both optima of every mode, from the fitted curve."""
+    found = optima(results)
+    for mode in results["mode"].values:
+        at = found.sel(mode=mode)
+        cells = []
+        for which in ("fluidisation", "collision"):
+            for name in (f"gamma_{which}", f"effectiveness_{which}"):
+                value, error = float(at[name]), float(at[f"{name}_standard_error"])
+                cells.append(f"{value:.3g} ± {error:.2g}" if np.isfinite(value) else "-")
+        yield f"{mode}", f"{float(results['natural_frequency'].sel(mode=mode).mean()):.1f} Hz", *cells
+
+
+def two_peaks(curve: xr.DataArray, found: xr.Dataset) -> str:
+    """Whether mode 1's first optimum stands out, and whether the second is higher."""
+    low, high = float(found["gamma_fluidisation"]), float(found["gamma_collision"])
+    if not np.isfinite(low + high):
+        return "The curve of mode 1 has one optimum."
+    grid = at_peaks(curve, low, high)
+    drop, drop_error = paired(curve, grid["fluidisation"], grid["dip"])
+    rise, rise_error = paired(curve, grid["collision"], grid["fluidisation"])
+    return (
+        f"Mode 1, packing by packing: at Gamma {grid['fluidisation']:g} beds dissipate {drop:.3f} ± {drop_error:.3f} "
+        f"more than in the dip at Gamma {grid['dip']:g}, **{drop / drop_error:.1f} standard errors** (asked for: more "
+        f"than two); at Gamma {grid['collision']:g} {rise:.3f} ± {rise_error:.3f} more than at Gamma "
+        f"{grid['fluidisation']:g}, {rise / rise_error:.1f} standard errors."
+    )
+
+
+def spread_rows(results: xr.Dataset):
+    """Spread between packings of each mode: all, beyond averaging, and after a line over the clearance."""
+    for mode in results["mode"].values:
+        at = results.sel(mode=mode)
+        curves = at["effectiveness"]
+        within = at["effectiveness_standard_error"] / curves.mean("seed")
+        all_of_it = spread(curves)
+        own = np.sqrt(np.maximum(all_of_it**2 - (within**2).mean("seed"), 0))
+        clearance = (at["clearance"] + at["clearance_after"]) / 2
+        after = without_clearance(curves, clearance)
+        lower, upper = curves["gamma"] <= 4, curves["gamma"] > 4
+        values = [all_of_it, all_of_it.where(lower), all_of_it.where(upper), own, after, after.where(lower)]
+        yield f"{mode}", *(f"{100 * rms(value):.1f} %" for value in (*values, after.where(upper)))
+
+
+def clearance_words(results: xr.Dataset) -> str:
+    """What mode 1's curves have in common once each is drawn over its own Gamma_c."""
+    at = results.sel(mode=1)
+    curves, frequency = at["effectiveness"], float(at["natural_frequency"].mean())
+    clearance = at["clearance"].isel(gamma=0) if "gamma" in at["clearance"].dims else at["clearance"]
+    middle = float(collision_optimum(frequency, clearance.mean()))
+    gammas = curves["gamma"].values
+    gammas = gammas[(gammas > 4) & (gammas < 0.85 * gammas.max())]
+    before = spread(curves.sel(gamma=gammas))
+    after = spread(over_block(curves, clearance, frequency, gammas / middle))
+    heights = 1e3 * clearance.values
+    return (
+        f"Clearances of the {len(heights)} packings: {heights.min():.2f} to {heights.max():.2f} mm, mean "
+        f"{heights.mean():.2f}, standard deviation {heights.std(ddof=1):.2f}.  Over Gamma / Gamma_c, with Gamma_c = "
+        f"4 pi f^2 h / g + 1.08 of each packing's own clearance, mode 1's curves differ by {100 * rms(after):.1f} % "
+        f"between Gamma {gammas[0]:g} and {gammas[-1]:g} (at the mean clearance), over Gamma by "
+        f"{100 * rms(before):.1f} %."
+    )
+
+
+def picture(results: xr.Dataset) -> None:
+    """Curves of all packings and their mean, and effectiveness over clearance."""
+    figure, axes = panels(3, (13, 4))
+    for ax, modes in zip(axes, ([1], [3, 5]), strict=False):
+        for k, mode in enumerate(modes):
+            curves = results["effectiveness"].sel(mode=mode)
+            for s in curves["seed"]:
+                ax.plot(curves["gamma"], curves.sel(seed=s), color=f"C{k}", lw=0.5, alpha=0.5)
+            error = curves.std("seed", ddof=1) / np.sqrt(curves.sizes["seed"])
+            ax.errorbar(
+                curves["gamma"], curves.mean("seed"), error, fmt="o-", ms=3, color=f"C{k}", label=f"mode {mode}"
+            )
+        ax.set(xlabel="Gamma", ylabel="effectiveness [-]", ylim=(0, None))
+        ax.legend()
+    at = results.sel(mode=1)
+    for k, gamma in enumerate((3, 5, 6, 8, 10)):
+        point = at.sel(gamma=gamma)
+        heights = 1e3 * (point["clearance"] + point["clearance_after"]) / 2
+        axes[2].plot(heights, point["effectiveness"], "o", color=f"C{k}", label=f"Gamma {gamma}")
+        line = np.polyfit(heights, point["effectiveness"], 1)
+        axes[2].plot(heights, np.polyval(line, heights), color=f"C{k}", lw=0.8)
+    axes[2].set(xlabel="clearance, mean of before and after [mm]", title="mode 1")
+    axes[2].legend(fontsize=7)
+    figure.savefig(DOCS / "two_optima.png")
+
+
+def document() -> None:
+    """Write docs/two_optima.md and its picture."""
+    results = xr.load_dataset(RUNS)
+    picture(results)
+    curve = results["effectiveness"].sel(mode=1)
+    cases = results["status"].size
+    lengths = ", ".join(f"{CYCLES[modes]} cycles in mode{'s' * (len(modes) > 1)} {modes}" for modes in CYCLES)
+    write_document(
+        "two_optima.md",
+        head("The paper's two optima", __file__) + " from docs/two_optima.nc: the paper's damper on its beam, "
+        f"{len(SEEDS)} compacted packings, Gamma {GAMMAS[0]:g} to {GAMMAS[-1]:g}, {STEPS} steps a contact, {lengths}; "
+        f"{cases} cases, {int((results['status'] == 0).sum())} of them steady, in "
+        f"{float(results['cpu_time'].sum()):.0f} core-seconds.",
+        "![Effectiveness over Gamma, and over the clearance](two_optima.png)",
+        "## Optima",
+        "Maxima of a Gaussian process through the points of all packings, with standard errors from its posterior "
+        "(`dataset.damper.optimum()`).",
+        table(
+            ["mode", "frequency", "Gamma of fluidisation", "height", "Gamma of collision", "height"],
+            optima_rows(results),
+        ),
+        two_peaks(curve, optima(results).sel(mode=1)),
+        "## Spread between packings",
+        "Standard deviation of one packing, root mean square over Gamma; beyond what averages over cycles are uncertain "
+        "by; and about a straight line over the clearance (mean of before and after), amplitude by amplitude.",
+        table(
+            ["mode", "all", "to Gamma 4", "above", "beyond averaging", "clearance out", "to Gamma 4", "above"],
+            spread_rows(results),
+        ),
+        clearance_words(results),
+    )
+
+
+def main() -> None:
+    """Simulate if asked to."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("simulate", nargs="?", choices=["simulate"])
+    parser.add_argument("--workers", type=int)
+    options = parser.parse_args()
+    if options.simulate:
+        simulate(options.workers)
+    document()
+
+
+if __name__ == "__main__":
+    main()
