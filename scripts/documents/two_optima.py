@@ -23,7 +23,7 @@ from warpdamp.config.study import Config
 
 RUNS = DOCS / "two_optima.nc"
 SEEDS, GAMMAS, STEPS = list(range(1, 9)), list(np.arange(1, 29) / 2), 16
-CYCLES = {(1,): 90, (3, 5): 200}
+CYCLES = {(1,): 90, (3, 5): 120}
 """Modes, and the cycles of each of their cases."""
 
 KEPT = (
@@ -221,8 +221,8 @@ def document() -> None:
         ),
         two_peaks(curve, optima(results).sel(mode=1)),
         "## Spread between packings",
-        "Standard deviation of one packing, root mean square over Gamma; beyond what averages over cycles are uncertain "
-        "by; and about a straight line over the clearance (mean of before and after), amplitude by amplitude.",
+        "Standard deviation of one packing, root mean square over Gamma; beyond what averages over cycles are "
+        "uncertain by; about a straight line over the clearance (mean of before and after), amplitude by amplitude.",
         table(
             ["mode", "all", "to Gamma 4", "above", "beyond averaging", "clearance out", "to Gamma 4", "above"],
             spread_rows(results),
