@@ -217,11 +217,11 @@ def document() -> None:
         table(["", "slope [1/Hz^2]", "intercept"], lines(line, clearance, after)),
         "## The motion",
         f"Four packings at {MOTION_FREQUENCY:g} Hz and Gamma {MOTION_GAMMA:g}, {RECORDED} cycles after "
-        f"{MOTION_CYCLES - RECORDED}, {SAMPLES} records a cycle, seen from the enclosure.  Clearance: at rest.  Travel: "
-        "of the centre of mass, from its lowest to its highest in a cycle.  Thickness: least and largest in a cycle, less "
-        "that at rest.  Pushes: middle of their impulse [cycles; the enclosure moves up fastest at 0.00 and down "
-        "fastest at 0.50], time from a tenth to nine tenths of it [cycles], and the enclosure's upward speed at the "
-        "middle over its largest; a plastic block's collisions take no time.",
+        f"{MOTION_CYCLES - RECORDED}, {SAMPLES} records a cycle, seen from the enclosure.  Clearance: at rest.  "
+        "Travel: of the centre of mass, from its lowest to its highest in a cycle.  Thickness: least and largest in a "
+        "cycle, less that at rest.  Pushes: middle of their impulse [cycles; the enclosure moves up fastest at 0.00 "
+        "and down fastest at 0.50], time from a tenth to nine tenths of it [cycles], and the enclosure's upward speed "
+        "at the middle over its largest; a plastic block's collisions take no time.",
         table(["packing", "clearance [mm]", "travel [mm]", "thickness [mm]", "floor", "lid"], motion_rows(motions)),
     )
 
