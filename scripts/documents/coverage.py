@@ -137,6 +137,23 @@ def with_intervals(cases: xr.Dataset) -> xr.Dataset:
     return cases.assign(averaging_interval=averaging, interval=interval)
 
 
+def memory(cases: xr.Dataset) -> tuple[float, float]:
+    """What single beds err by beyond the averages of claim and reference: root mean square, and its standard error."""
+    off = (cases["claimed"] / cases["reference"] - 1).values
+    known = (cases["standard_error"] / cases["claimed"]) ** 2
+    known += (cases["reference_standard_error"] / cases["reference"]) ** 2
+    squares = off**2 - known.values
+    value = float(np.sqrt(max(squares.mean(), 0.0)))
+    return value, float(squares.std(ddof=1) / np.sqrt(len(squares))) / (2 * max(value, 1e-3))
+
+
+def holding(cases: xr.Dataset, part: float = 0.95) -> float:
+    """Smallest ``memory_error``, relative, with which this part of the cases lies within their intervals."""
+    off = abs(cases["claimed"] - cases["reference"])
+    missing = np.sqrt(np.maximum(off**2 - cases["averaging_interval"] ** 2, 0)) / cases["claimed"]
+    return float(np.quantile(missing / student(np.inf), part))
+
+
 def main() -> None:
     """Run what is not there yet and keep it all."""
     parser = argparse.ArgumentParser(description=__doc__)
