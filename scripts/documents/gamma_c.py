@@ -29,7 +29,7 @@ RUNS, MOTION = DOCS / "gamma_c.nc", DOCS / "gamma_c_motion.nc"
 FREQUENCIES = (28, 32, 36, 40, 44, 48, 52, 56, 60, 64)
 """[Hz]; below, the optima of fluidisation and collision are one."""
 
-RATIOS = np.arange(8, 16) / 10
+RATIOS = np.array([0.8, 0.95, 1.1, 1.25, 1.4, 1.55])
 """Gamma over that of the plastic block."""
 
 SEEDS, CYCLES, STEPS = list(range(1, 9)), 42, 12
