@@ -21,10 +21,13 @@ from warpdamp.analysis.optimum import collision_optimum
 from warpdamp.analysis.results import write
 from warpdamp.config.study import Config
 
-RUNS = DOCS / "two_optima.nc"
+RUNS, FINE = DOCS / "two_optima.nc", DOCS / "two_optima_fine.nc"
 SEEDS, GAMMAS, STEPS = list(range(1, 9)), list(np.arange(1, 29) / 2), 16
 CYCLES = {(1,): 90, (3, 5): 120}
 """Modes, and the cycles of each of their cases."""
+
+DIP, FINE_STEPS = [2.5, 3.0, 3.5, 4.0], 24
+"""Amplitudes of mode 1 round the first optimum and the dip above it, and the steps a contact with which they are run."""
 
 KEPT = (
     "effectiveness", "effectiveness_standard_error", "energy_dissipated", "clearance", "clearance_after", "status",
@@ -32,19 +35,21 @@ KEPT = (
 )  # fmt: skip
 
 
-def job(modes: tuple[int, ...]) -> Config:
-    """The main job on every half Gamma, with eight packings and runs of one length."""
+def job(modes: tuple[int, ...], gammas: list[float] = GAMMAS, steps: int = STEPS) -> Config:
+    """The main job with eight packings and runs of one length."""
     values = load(ROOT / "configs" / "beam.yaml").model_dump()
     values["structure"]["modes"] = list(modes)
-    values["excitation"]["gamma"] = GAMMAS
+    values["excitation"]["gamma"] = gammas
     length = {"fewest_cycles": CYCLES[modes], "most_cycles": CYCLES[modes]}
-    changes = {"steady_state": length, "numerics": {"steps_per_contact": STEPS}, "seeds": SEEDS}
+    changes = {"steady_state": length, "numerics": {"steps_per_contact": steps}, "seeds": SEEDS}
     return Config.model_validate(values | changes)
 
 
 def simulate(workers: int | None) -> None:
     """All modes, each from the same beds."""
     store = ROOT / "results" / "two_optima"
+    fine = run(job((1,), DIP, FINE_STEPS), store=store / "fine", workers=workers, report=progress("fine"))
+    write(fine[list(KEPT)], FINE)
     parts = []
     for modes in CYCLES:
         name = "-".join(map(str, modes))
