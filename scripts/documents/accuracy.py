@@ -251,7 +251,7 @@ def coverage_section() -> list[str]:
     return [
         "## Do the intervals hold?",
         "Written from `coverage.py`: each case runs as with a tolerance of 5 %; the reference is the mean of the "
-        "same bed over eight times as many cycles afterwards.  Share of steady cases whose 95 % "
+        "same bed over five times as many cycles afterwards.  Share of steady cases whose 95 % "
         "interval, of this one packing, holds the reference (asked for: 93-97 %), with its standard error; the share "
         "that the average over cycles alone would hold; the interval's mean half-width, the reference's own standard "
         "error, and by how much claims are off (root mean square, and at most).",

@@ -253,7 +253,7 @@ def document() -> None:
         "[gamma_c.md](gamma_c.md).",
         "## What is left: memory_error",
         "A bed stays in one state for hundreds of cycles, so that averaging over cycles does not reach the mean over "
-        "states.  Root mean square by which single beds differ from what the same bed does over eight times as "
+        "states.  Root mean square by which single beds differ from what the same bed does over five times as "
         "many cycles after, beyond the standard errors of both averages; and the `memory_error` with which 95 % of the "
         "cases lie within their 95 % intervals.  From the draw `measured` of `coverage.py`; whether intervals hold is "
         "tested on another ([accuracy.md](accuracy.md)).",

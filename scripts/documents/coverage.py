@@ -3,7 +3,7 @@
     python scripts/documents/coverage.py [measured] [tested] [--workers N]
 
 Beds of 30 to 120 equal spheres and of 60 of many sizes, three packings each, frequencies 60-380 Hz and Gamma 1.5-12
-drawn at random.  A case runs as a study with a tolerance would run it; the reference is the mean over eight times as
+drawn at random.  A case runs as a study with a tolerance would run it; the reference is the mean over five times as
 many cycles after those.  One draw, ``measured``, says what ``memory_error`` has to be; another,
 ``tested``, of other points and other packings, whether the intervals then hold.  About half an hour on one core; may be
 stopped and started again: results/coverage keeps what is done.
@@ -35,7 +35,7 @@ from warpdamp.scene.paper import RADIUS, damper
 from warpdamp.scene.scene import STANDARD_GRAVITY, sphere_volume
 
 TOLERANCE = 0.05
-LONGER, FEWEST, MOST = 8, 30, 400
+LONGER, FEWEST, MOST = 5, 30, 400
 KEPT = ROOT / "results" / "coverage"
 
 
