@@ -166,7 +166,7 @@ def main() -> None:
         if draw.name not in options.draws:
             continue
         (KEPT / draw.name).mkdir(parents=True, exist_ok=True)
-        cases = sorted(drawn(draw), key=lambda case: -case[-1].steps_per_cycle * len(case[-1].bed.grains))
+        cases = sorted(drawn(draw), key=lambda case: case[1])  # what is done is a fair part of it at any time
         with processes(options.workers) as executor:
             list(executor.map(prepare, {spec.bed.key(): spec.bed for *_, spec in cases}.values()))
             list(executor.map(partial(compare, draw.name), *zip(*cases, strict=True)))

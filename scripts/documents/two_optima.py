@@ -142,15 +142,20 @@ def two_peaks(curve: xr.DataArray, found: xr.Dataset, fine: xr.Dataset) -> str:
 
 
 def dip_words(fine: xr.Dataset) -> str:
-    """How the dip of each packing goes with its clearance."""
+    """How the dip of each packing goes with its clearance there."""
+    above = [3.5, 4.0]
     own = fine.isel(frequency=0)
-    depth = (own["effectiveness"].sel(gamma=PEAK) - own["effectiveness"].sel(gamma=[3.5, 4.0]).min("gamma")).values
-    clearance = own["clearance"].isel(gamma=0).values
-    line = straight_line(1e3 * (clearance - clearance.mean()), depth, np.full(len(depth), depth.std(ddof=1)))
-    shown = ", ".join(f"{1e3 * h:.2f} mm {d:+.3f}" for h, d in sorted(zip(clearance, depth, strict=True)))
+    depth = (own["effectiveness"].sel(gamma=PEAK) - own["effectiveness"].sel(gamma=above).mean("gamma")).values
+    clearance = 1e3 * ((own["clearance"] + own["clearance_after"]) / 2).sel(gamma=above).mean("gamma").values
+    line = straight_line(clearance - clearance.mean(), depth, np.full(len(depth), depth.std(ddof=1)))
+    shown = ", ".join(f"{h:.2f} mm {d:+.3f}" for h, d in sorted(zip(clearance, depth, strict=True)))
+    after = 1e3 * own["clearance_after"].mean("seed")
+    left = ", ".join(f"{float(after.sel(gamma=gamma)):.2f} mm after Gamma {gamma:g}" for gamma in DIP)
     return (
-        f"Depth of the dip, from Gamma {PEAK:g} to the lower of 3.5 and 4, by clearance ({FINE_STEPS} steps a "
-        f"contact): {shown}; {line.slope:+.3f} ± {line.slope_standard_error:.3f} per mm."
+        f"Shaking at these amplitudes loosens the beds: from {1e3 * float(own['clearance'].mean()):.2f} mm of "
+        f"clearance to {left}, in the mean.  Depth of the dip, Gamma {PEAK:g} less the mean of 3.5 and 4, by clearance "
+        f"there (mean of before and after; {FINE_STEPS} steps a contact): {shown}; {line.slope:+.3f} ± "
+        f"{line.slope_standard_error:.3f} per mm."
     )
 
 
