@@ -21,6 +21,7 @@ from warpdamp.analysis.optimum import collision_optimum
 from warpdamp.analysis.results import write
 from warpdamp.config.study import Config
 from warpdamp.numerics.regression import straight_line
+from warpdamp.status import FIRST_UNFINISHED
 
 RUNS, FINE = DOCS / "two_optima.nc", DOCS / "two_optima_fine.nc"
 SEEDS, GAMMAS, STEPS = list(range(1, 9)), list(np.arange(1, 29) / 2), 16
@@ -30,8 +31,14 @@ CYCLES = {(1,): 90, (3, 5): 120}
 DIP, FINE_STEPS = [2.5, 3.0, 3.5, 4.0], 24
 """Amplitudes of mode 1 round the first optimum and the dip above it, and the steps a contact of their own runs."""
 
-PEAK = 3.0
-"""Gamma of the first optimum."""
+PEAK, MOVING, UPPER = 3.0, 1.5, 4.0
+"""Gamma of the first optimum, from which on beds dissipate more than a few percent of the ideal damper, and above which
+they collide with the lid in mode 1."""
+
+SPREADS = (
+    *("mode", "Gamma 0.5-14", "1.5-14", "1.5-4", "above 4", "1.5-14 beyond averaging"),
+    *("clearance out: 1.5-14", "1.5-4", "above 4"),
+)
 
 KEPT = (
     "effectiveness", "effectiveness_standard_error", "energy_dissipated", "clearance", "clearance_after", "status",
@@ -160,18 +167,18 @@ def dip_words(fine: xr.Dataset) -> str:
 
 
 def spread_rows(results: xr.Dataset):
-    """Spread between packings of each mode: all, beyond averaging, and after a line over the clearance."""
+    """Spread between packings of each mode: as it is, beyond averaging, and after a line over the clearance."""
     for mode in results["mode"].values:
         at = results.sel(mode=mode)
-        curves = at["effectiveness"]
+        curves, gamma = at["effectiveness"], at["gamma"]
         within = at["effectiveness_standard_error"] / curves.mean("seed")
-        all_of_it = spread(curves)
-        own = np.sqrt(np.maximum(all_of_it**2 - (within**2).mean("seed"), 0))
-        clearance = (at["clearance"] + at["clearance_after"]) / 2
-        after = without_clearance(curves, clearance)
-        lower, upper = curves["gamma"] <= 4, curves["gamma"] > 4
-        values = [all_of_it, all_of_it.where(lower), all_of_it.where(upper), own, after, after.where(lower)]
-        yield f"{mode}", *(f"{100 * rms(value):.1f} %" for value in (*values, after.where(upper)))
+        whole = spread(curves)
+        own = np.sqrt(np.maximum(whole**2 - (within**2).mean("seed"), 0))
+        after = without_clearance(curves, (at["clearance"] + at["clearance_after"]) / 2)
+        moving, upper = gamma >= MOVING, gamma > UPPER
+        values = [whole, whole.where(moving), whole.where(moving & ~upper), whole.where(upper), own.where(moving)]
+        values += [after.where(moving), after.where(moving & ~upper), after.where(upper)]
+        yield f"{mode}", *(f"{100 * rms(value):.1f} %" for value in values)
 
 
 def clearance_words(results: xr.Dataset) -> str:
@@ -226,12 +233,15 @@ def document() -> None:
     picture(results)
     curve = results["effectiveness"].sel(mode=1)
     cases = results["status"].size
-    lengths = ", ".join(f"{CYCLES[modes]} cycles in mode{'s' * (len(modes) > 1)} {modes}" for modes in CYCLES)
+    lengths = ", ".join(
+        f"{count} cycles in mode{'s' * (len(modes) > 1)} {' and '.join(map(str, modes))}"
+        for modes, count in CYCLES.items()
+    )
     write_document(
         "two_optima.md",
         head("The paper's two optima", __file__) + " from docs/two_optima.nc: the paper's damper on its beam, "
         f"{len(SEEDS)} compacted packings, Gamma {GAMMAS[0]:g} to {GAMMAS[-1]:g}, {STEPS} steps a contact, {lengths}; "
-        f"{cases} cases, {int((results['status'] == 0).sum())} of them steady, in "
+        f"{cases} cases, {int((results['status'] < FIRST_UNFINISHED).sum())} of them finished, in "
         f"{float(results['cpu_time'].sum()):.0f} core-seconds.",
         "![Effectiveness over Gamma, and over the clearance](two_optima.png)",
         "## Optima",
@@ -244,12 +254,11 @@ def document() -> None:
         two_peaks(curve, optima(results).sel(mode=1), fine),
         dip_words(fine),
         "## Spread between packings",
-        "Standard deviation of one packing, root mean square over Gamma; beyond what averages over cycles are "
-        "uncertain by; about a straight line over the clearance (mean of before and after), amplitude by amplitude.",
-        table(
-            ["mode", "all", "to Gamma 4", "above", "beyond averaging", "clearance out", "to Gamma 4", "above"],
-            spread_rows(results),
-        ),
+        "Standard deviation of one packing, root mean square over Gamma (asked for: at most 6 % in mode 1, aimed at "
+        "4 %; 3 % in modes 3 and 5).  Below Gamma 1.5 beds dissipate next to nothing, and differ by a large part of it.  "
+        "Beyond averaging: less what averages over cycles are uncertain by.  Clearance out: about a straight line over "
+        "the clearance (mean of before and after), amplitude by amplitude.",
+        table(SPREADS, spread_rows(results)),
         clearance_words(results),
     )
 
