@@ -49,7 +49,7 @@ class Draw:
     seeds: tuple[int, ...]
 
 
-DRAWS = (Draw("measured", 15, 4, (11, 12, 13)), Draw("tested", 16, 20, (1, 2, 3)))
+DRAWS = (Draw("measured", 15, 4, (11, 12, 13)), Draw("tested", 16, 20, (1, 3, 4)))
 
 BEDS = {
     "30 spheres": ((RADIUS,) * 30, 0.42),

@@ -70,8 +70,8 @@ def simulate(workers: int | None) -> None:
     for frequency in FREQUENCIES:
         store = ROOT / "results" / "gamma_c" / f"{frequency:g}"
         results = run(job(frequency), store=store, workers=workers, report=progress(f"{frequency:g} Hz"))
-        part = results[list(KEPT)].rename(gamma="ratio").reset_coords("ratio")
-        parts.append(part.rename(ratio="gamma").assign_coords(ratio=RATIOS))
+        part = results[list(KEPT)].rename(gamma="ratio").assign_coords(ratio=RATIOS)
+        parts.append(part.assign(gamma=(("frequency", "ratio"), results["gamma"].values[None])))
         together = xr.concat(parts, "frequency", combine_attrs="override").sortby("frequency")
         together.attrs = {"title": "The paper's damper round the optimum of two-sided collision, eight packings"}
         write(together, RUNS)
