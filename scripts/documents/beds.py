@@ -231,9 +231,9 @@ def document() -> None:
         head("States of a bed", __file__) + " from docs/beds.nc and docs/coverage.nc.",
         "The state of a bed is for the most part one number: its clearance, which is how far its centre of mass "
         "travels between rest on the floor and rest against the lid.  Shaking with friction compacts by the logarithm "
-        "of the cycles and never to the end; shaking without friction does in a few blocks of twelve cycles, and the "
-        "bed keeps the clearance under friction.  That is how beds are compacted "
-        "(`warpdamp/damper/preparation.py`).",
+        "of the cycles and never to the end; shaking without friction does in a few blocks of twelve cycles.  That is "
+        "how beds are compacted (`warpdamp/damper/preparation.py`).  Shaken on with friction at Gamma 6, most keep "
+        "their clearance (below); at lower amplitudes beds loosen ([two_optima.md](two_optima.md)).",
         "## What compaction reaches",
         f"The paper's damper: **{1e3 * float(first.mean()):.2f} mm, standard deviation "
         f"{1e3 * float(first.std(ddof=1)):.2f} mm** between {first.sizes['seed']} packings, "
@@ -258,7 +258,7 @@ def document() -> None:
         "cases lie within their 95 % intervals.  From the draw `measured` of `coverage.py`; whether intervals hold is "
         "tested on another ([accuracy.md](accuracy.md)).",
         table(["bed", "cases", "beyond averages", "95 % inside with"], memory_rows()),
-        f"Rule: `memory_error` is what 95 % of the cases need, in steps of half a percent: {100 * LOOSE_MEMORY:g} % "
+        f"Rule: `memory_error` is what 95 % of the cases need, up to the next half percent: {100 * LOOSE_MEMORY:g} % "
         f"below a fill of {TIGHT_FILL:g}, {100 * TIGHT_MEMORY:g} % from there on.",
     )
 
