@@ -255,9 +255,9 @@ def document() -> None:
         dip_words(fine),
         "## Spread between packings",
         "Standard deviation of one packing, root mean square over Gamma (asked for: at most 6 % in mode 1, aimed at "
-        "4 %; 3 % in modes 3 and 5).  Below Gamma 1.5 mode 1 dissipates next to nothing, and packings differ by a large "
-        "part of it.  Beyond averaging: less what averages over cycles are uncertain by.  Clearance out: about a straight line over "
-        "the clearance (mean of before and after), amplitude by amplitude.",
+        "4 %; 3 % in modes 3 and 5).  Below Gamma 1.5 mode 1 dissipates next to nothing, and packings differ by a "
+        "large part of it.  Beyond averaging: less what averages over cycles are uncertain by.  Clearance out: about a "
+        "straight line over the clearance (mean of before and after), amplitude by amplitude.",
         table(SPREADS, spread_rows(results)),
         clearance_words(results),
     )
