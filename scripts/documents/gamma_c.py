@@ -240,10 +240,10 @@ def document() -> None:
         table(["", "slope [1/Hz^2]", "intercept"], lines(line, clearance, after)),
         "## The motion",
         f"Four packings near two optima, {RECORDED} cycles after {MOTION_CYCLES - RECORDED}, {SAMPLES} records a "
-        "cycle, seen from the enclosure.  Clearance: at rest.  Travel: of the centre of mass, from its lowest to its highest "
-        "in a cycle.  Thickness: least and largest in a cycle, less that at rest.  Pushes of floor and lid: middle of "
-        "their impulse, time from a tenth to nine tenths of it; and when a plastic block of the same clearance hits "
-        "[cycles; the enclosure moves up fastest at 0.00 and down fastest at 0.50, where a collision takes most].",
+        "cycle, seen from the enclosure.  Clearance: at rest.  Travel: of the centre of mass, from its lowest to its "
+        "highest in a cycle.  Thickness: least and largest in a cycle, less that at rest.  Pushes of floor and lid: "
+        "middle of their impulse, time from a tenth to nine tenths of it; and when a plastic block of the same "
+        "clearance hits [cycles; the enclosure moves up fastest at 0.00 and down fastest at 0.50].",
         table(MOTION_COLUMNS, motion_rows(motions)),
         MOTION_WORDS,
     )
