@@ -258,7 +258,7 @@ def coverage_section() -> list[str]:
         "The average over cycles alone is not enough: a bed stays in one state for hundreds of cycles, with small "
         f"fluctuations about a level that is its own.  Each claim therefore carries {100 * LOOSE_MEMORY:g} % for the "
         f"state that its bed happens to be in, {100 * TIGHT_MEMORY:g} % where the cavity is filled to {TIGHT_FILL:g} "
-        "and more: what 95 % of the cases of another draw need, of other points and other packings of the same beds "
+        "and more: as measured on another draw, of other points and other packings of the same beds "
         "([bed-states.md](bed-states.md)).  Packings are in different states and average this part out.",
         table(
             COVERAGE_COLUMNS, (coverage_row(name, cases.isel(case=np.flatnonzero(of))) for name, of in groups.items())

@@ -258,8 +258,8 @@ def document() -> None:
         "cases lie within their 95 % intervals.  From the draw `measured` of `coverage.py`; whether intervals hold is "
         "tested on another ([accuracy.md](accuracy.md)).",
         table(["bed", "cases", "beyond averages", "95 % inside with"], memory_rows()),
-        f"Rule: `memory_error` is what 95 % of the cases need, up to the next half percent: {100 * LOOSE_MEMORY:g} % "
-        f"below a fill of {TIGHT_FILL:g}, {100 * TIGHT_MEMORY:g} % from there on.",
+        "Rule: `memory_error` is the larger of the two, up to the next half percent, by fill: "
+        f"{100 * LOOSE_MEMORY:g} % below {TIGHT_FILL:g}, {100 * TIGHT_MEMORY:g} % from there on.",
     )
 
 
