@@ -23,7 +23,7 @@ from warpdamp.config.study import Config
 from warpdamp.numerics.regression import straight_line
 from warpdamp.status import FIRST_UNFINISHED
 
-RUNS, FINE = DOCS / "two_optima.nc", DOCS / "two_optima_fine.nc"
+RUNS, FINE, LAMMPS = DOCS / "two_optima.nc", DOCS / "two_optima_fine.nc", DOCS / "two_optima_lammps.nc"
 SEEDS, GAMMAS, STEPS = list(range(1, 9)), list(np.arange(1, 29) / 2), 16
 CYCLES = {(1,): 90, (3, 5): 120}
 """Modes, and the cycles of each of their cases."""
@@ -201,6 +201,16 @@ def clearance_words(results: xr.Dataset) -> str:
     )
 
 
+def lammps_rows(curve: xr.DataArray):
+    """LAMMPS from the same beds, packing by packing (`scripts/benchmarks/prepared.py`)."""
+    others = xr.load_dataset(LAMMPS)["effectiveness"]
+    for gamma in others["gamma"].values:
+        for seed in others["seed"].values:
+            other, own = (float(values.sel(gamma=gamma, seed=seed)) for values in (others, curve))
+            if np.isfinite(other):
+                yield f"{gamma:g}", seed, f"{own:.3f}", f"{other:.3f}"
+
+
 def picture(results: xr.Dataset) -> None:
     """Curves of all packings and their mean, and effectiveness over clearance."""
     figure, axes = panels(3, (13, 4))
@@ -260,6 +270,11 @@ def document() -> None:
         "straight line over the clearance (mean of before and after), amplitude by amplitude.",
         table(SPREADS, spread_rows(results)),
         clearance_words(results),
+        "## Another code from the same beds",
+        "Effectiveness of mode 1 in LAMMPS, power put in over cycles 21 to 60, from two of the same compacted beds at "
+        "rest (written to docs/two_optima_lammps.nc by `scripts/benchmarks/prepared.py`; its decks keep no contact "
+        "history from the preparation).",
+        table(["Gamma", "packing", "warpdamp", "LAMMPS"], lammps_rows(curve)),
     )
 
 
