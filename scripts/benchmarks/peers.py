@@ -21,7 +21,7 @@ from warpdamp import Grains, Request, Scene, State, prepare
 from warpdamp.engine.ledger import maximum_energy
 from warpdamp.scene.paper import COUNT, RADIUS, STEPS_PER_CYCLE
 
-from .damper import DT, damper, one_core, shake
+from .damper import damper, one_core, shake
 
 DECKS = Path(__file__).parent / "decks"
 SKIN = 4e-4
@@ -70,8 +70,8 @@ def version(peer: Peer) -> str:
     return done.stdout.strip().splitlines()[0]
 
 
-def scene_variables(scene: Scene, steps: int, every: int) -> dict[str, float]:
-    """All that a deck needs beside the bed, SI units; ``every`` steps the power is sampled."""
+def scene_variables(scene: Scene, steps: int, every: int, cycle: int = STEPS_PER_CYCLE) -> dict[str, float]:
+    """All that a deck needs beside the bed, SI units; the power is sampled ``every`` steps, ``cycle`` steps a cycle."""
     return {
         "radius": scene.enclosure.diameter / 2,
         "height": scene.enclosure.height,
@@ -82,15 +82,17 @@ def scene_variables(scene: Scene, steps: int, every: int) -> dict[str, float]:
         "gravity": -scene.gravity[2],
         "frequency": scene.drive.frequency,
         "acceleration": scene.drive.acceleration,
-        "dt": DT,
-        "cycle": STEPS_PER_CYCLE,
+        "dt": 1 / (scene.drive.frequency * cycle),
+        "cycle": cycle,
         "steps": steps,
         "every": every,
         "skin": SKIN,
     }
 
 
-def write_scene(folder: Path, scene: Scene, state: State, steps: int, every: int = 1) -> None:
+def write_scene(
+    folder: Path, scene: Scene, state: State, steps: int, every: int = 1, cycle: int = STEPS_PER_CYCLE
+) -> None:
     """Write ``scene.in`` and ``bed.data`` (LAMMPS' format: id, type, diameter, density, position) to the last bit.
 
     Raises
@@ -100,7 +102,7 @@ def write_scene(folder: Path, scene: Scene, state: State, steps: int, every: int
     """
     if np.any(state.velocity) or np.any(state.spin):
         raise ValueError("the peers' decks start from spheres at rest: set velocity and spin to zero")
-    variables = scene_variables(scene, steps, every)
+    variables = scene_variables(scene, steps, every, cycle)
     text = "".join(f"variable {name} index {value!r}\n" for name, value in variables.items())
     (folder / "scene.in").write_text(text)
     half, height = 1.1 * scene.enclosure.diameter / 2, scene.enclosure.height
@@ -116,7 +118,9 @@ def write_scene(folder: Path, scene: Scene, state: State, steps: int, every: int
         file.writelines(spheres)
 
 
-def run_peer(peer: Peer, scene: Scene, state: State, steps: int, every: int = 1) -> tuple[float, np.ndarray]:
+def run_peer(
+    peer: Peer, scene: Scene, state: State, steps: int, every: int = 1, cycle: int = STEPS_PER_CYCLE
+) -> tuple[float, np.ndarray]:
     """Processor time of the stepping [s], and the mean power of each whole cycle [W] (empty if not counted).
 
     Raises
@@ -126,7 +130,7 @@ def run_peer(peer: Peer, scene: Scene, state: State, steps: int, every: int = 1)
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write_scene(folder, scene, state, steps, every)
+        write_scene(folder, scene, state, steps, every, cycle)
         *options, deck = peer.command[1:]
         command, environment = [peer.program, *options, DECKS / deck], os.environ | {"OMP_NUM_THREADS": "1"}
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
