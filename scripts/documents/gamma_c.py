@@ -10,12 +10,11 @@ and when floor and lid push.  May be stopped and started again: results/gamma_c 
 
 from __future__ import annotations
 
-import argparse
 import itertools
 
 import numpy as np
 import xarray as xr
-from shared import DOCS, ROOT, head, panels, progress, table, write_document
+from shared import DOCS, ROOT, head, panels, progress, run_script, table, write_document
 
 from warpdamp import Batch, Case, Drive, Grains, Request, load, prepare, run
 from warpdamp.analysis.optimum import BLOCK_INTERCEPT, collision_optimum, optimum
@@ -283,16 +282,5 @@ def lines(line: Line, clearance: float, after: float):
     ]
 
 
-def main() -> None:
-    """Simulate if asked to."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("simulate", nargs="?", choices=["simulate"])
-    parser.add_argument("--workers", type=int)
-    options = parser.parse_args()
-    if options.simulate:
-        simulate(options.workers)
-    document()
-
-
 if __name__ == "__main__":
-    main()
+    run_script(__doc__, simulate, document)

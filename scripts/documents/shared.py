@@ -1,5 +1,6 @@
 """What the scripts of this folder share: where documents lie, their parts in Markdown, figures, worker processes."""
 
+import argparse
 import importlib.metadata
 import os
 import platform
@@ -70,3 +71,14 @@ def processes(workers: int | None = None) -> ProcessPoolExecutor:
 def progress(*words: str):
     """A ``report`` for ``warpdamp.run`` that prints, after some words, the stage and how much of it is done."""
     return lambda stage, done: print(*words, stage, f"{done:.0%}", flush=True)
+
+
+def run_script(description: str, simulate, document) -> None:
+    """Write a document and, if ``simulate`` stands on the command line, run its simulations before."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("simulate", nargs="?", choices=["simulate"])
+    parser.add_argument("--workers", type=int)
+    options = parser.parse_args()
+    if options.simulate:
+        simulate(options.workers)
+    document()

@@ -9,11 +9,9 @@ results/two_optima keeps what is done.
 
 from __future__ import annotations
 
-import argparse
-
 import numpy as np
 import xarray as xr
-from shared import DOCS, ROOT, head, panels, progress, table, write_document
+from shared import DOCS, ROOT, head, panels, progress, run_script, table, write_document
 
 import warpdamp.accessor  # noqa: F401  gives datasets their ``damper``
 from warpdamp import load, run
@@ -278,16 +276,5 @@ def document() -> None:
     )
 
 
-def main() -> None:
-    """Simulate if asked to."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("simulate", nargs="?", choices=["simulate"])
-    parser.add_argument("--workers", type=int)
-    options = parser.parse_args()
-    if options.simulate:
-        simulate(options.workers)
-    document()
-
-
 if __name__ == "__main__":
-    main()
+    run_script(__doc__, simulate, document)

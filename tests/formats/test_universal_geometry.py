@@ -14,25 +14,6 @@ ALONG_Z = {1: (0, 0, 0), 2: (0, 0, 1)}
 WRITERS = pytest.mark.parametrize("mode", [mode_55, mode_2414], ids=["55", "2414"])
 
 
-@pytest.fixture
-def read(tmp_path):
-    def reader(*sets, given=None, **options):
-        sets = sets if given else (units(), *sets)
-        return read_uff(write(tmp_path / "modes.uff", *sets), units=given, **options)
-
-    return reader
-
-
-@pytest.fixture
-def refused(read):
-    def check(message, *sets, **options):
-        with pytest.raises(ModalError, match=message) as caught:
-            read(*sets, **options)
-        assert "\n" not in str(caught.value)
-
-    return check
-
-
 # ---- nodes and coordinate systems
 
 

@@ -71,8 +71,9 @@ class Runner:
         self.run_log, self.limit, self.report = run_log, limit, report
         self._numbers = np.zeros(0, int)
         self._estimate = Estimate(plan, self._numbers)
-        self._planned: dict = {}
-        self._ended = dict.fromkeys(STAGES, 0)
+        self._bed_examples = list(plan.beds.values())
+        self._planned: set = set()
+        self._counts = {kind: [0, 0] for kind in STAGES}  # of jobs ended, and of all
         self._failed_beds: dict[int, tuple[str, str]] = {}
         self._new_results = False
 
@@ -114,19 +115,21 @@ class Runner:
         """Jobs for kernels and beds that cases need and no job was made for yet."""
         from ..damper.preparation import effects
 
-        longest, examples = self.limit or LONGEST_BED, list(self.plan.beds.values())
-        beds = {int(bed): self.plan.cases.spec(examples[bed])[0] for bed in np.unique(self.plan.bed[numbers])}
-        scenes = {needed: spec.scene for spec in beds.values() for needed in (spec.effects, *effects(spec.bed))}
+        longest = self.limit or LONGEST_BED
+        beds = {int(bed): self.plan.cases.spec(self._bed_examples[bed])[0] for bed in np.unique(self.plan.bed[numbers])}
+        needs = {bed: frozenset(effects(spec.bed)) for bed, spec in beds.items()}
+        scenes = {needed: spec.scene for bed, spec in beds.items() for needed in (spec.effects, *needs[bed])}
         groups = np.unique(self.plan.group[numbers], return_index=True)[1]
         for spec, _ in map(self.plan.cases.spec, numbers[groups]):
             scenes[spec.effects] = spec.scene
         jobs: list[Job] = [KernelJob([(scenes[e], e)], longest, name=e) for e in sorted(scenes, key=str)]
-        jobs += [BedJob([bed], longest, needs=frozenset(effects(s.bed)), name=bed) for bed, s in beds.items()]
-        fresh = {job.name: job for job in jobs if job.name not in self._planned}
-        self._planned |= fresh
+        jobs += [BedJob([bed], longest, needs=needed, name=bed) for bed, needed in needs.items()]
+        jobs = [job for job in jobs if job.name not in self._planned]
+        self._planned.update(job.name for job in jobs)
         for kind in STAGES:
+            self._counts[kind][1] += sum(isinstance(job, kind) for job in jobs)
             self._report_stage(kind)
-        yield from fresh.values()
+        yield from jobs
 
     def _case_jobs(self, numbers: np.ndarray) -> Iterator[Job]:
         for chains in batches(self.plan, numbers, self.pool.size):
@@ -140,8 +143,7 @@ class Runner:
         if isinstance(job, KernelJob):
             return compile_kernels, *job.parts[0]
         if isinstance(job, BedJob):
-            example = list(self.plan.beds.values())[job.parts[0]]
-            return make_bed, self.plan.cases.spec(example)[0].bed
+            return make_bed, self.plan.cases.spec(self._bed_examples[job.parts[0]])[0].bed
         job.parts = [chain for chain in job.parts if int(self.plan.bed[chain[0]]) not in self._failed_beds]
         return (shake_and_keep, str(self.store.folder), self._work(job.parts)) if job.parts else None
 
@@ -159,8 +161,7 @@ class Runner:
     def _kernels_compiled(self, job: KernelJob, result) -> None:
         if isinstance(result, Abandoned):
             self.run_log.log(logging.WARNING, f"kernels could not be compiled: {result.reason}")
-        self._ended[KernelJob] += 1
-        self._report_stage(KernelJob)
+        self._end_of(KernelJob)
 
     def _bed_made(self, job: BedJob, result) -> None:
         """Note a bed; if it cannot be made, its cases have failed."""
@@ -171,8 +172,7 @@ class Runner:
             self._failed_beds[bed] = result
             self.run_log.log(logging.WARNING, f"a bed cannot be made: {result[0]}")
             self._fail(self._numbers[self.plan.bed[self._numbers] == bed], Status.FAILED, result[0])
-        self._ended[BedJob] += 1
-        self._report_stage(BedJob)
+        self._end_of(BedJob)
 
     def _cases_run(self, job: CaseJob, result) -> None:
         members = np.array([number for chain in job.parts for number in chain])
@@ -194,9 +194,13 @@ class Runner:
         self.run_log.progress(self._estimate.share)
         self.report("cases", self._estimate.share)
 
+    def _end_of(self, kind: type[Job]) -> None:
+        self._counts[kind][0] += 1
+        self._report_stage(kind)
+
     def _report_stage(self, kind: type[Job]) -> None:
-        planned = sum(isinstance(job, kind) for job in self._planned.values())
-        self.report(STAGES[kind], self._ended[kind] / planned if planned else 1.0)
+        ended, planned = self._counts[kind]
+        self.report(STAGES[kind], ended / planned if planned else 1.0)
 
     def _refuse_if_no_bed_can_be_made(self) -> None:
         """Raise if every bed of the study failed.

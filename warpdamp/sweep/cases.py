@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 import math
+from collections import OrderedDict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+from pydantic import ValidationError
+
+from ..config.build import as_list, bed, drive, grains, particle_mass, scene
 from ..config.study import Config
 from ..damper.case import PAPER_SETTLING, Criteria, Request, Spec, paper_criteria
+from ..errors import ConfigError
 from ..numerics.timestep import (
     FEWEST_STEPS_PER_CONTACT,
     FEWEST_STEPS_PER_CYCLE,
@@ -18,30 +29,12 @@ from ..numerics.timestep import (
 )
 from ..numerics.tolerance import settings_for
 from ..scene.scene import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from ..damper.case import Criteria
-
-import itertools
-import json
-from collections import OrderedDict
-from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING
-
-import numpy as np
-from pydantic import ValidationError
-
-from ..config.build import as_list, bed, drive, grains, particle_mass, scene
-from ..errors import ConfigError
 from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, coordinate_names, dotted, leaves, put, tree, tree_copy
 from .carried import leg_axes, refuse_one_amplitude
 from .exclude import Exclusions
 from .reader import read_axes
 
 if TYPE_CHECKING:
-    from ..damper.case import Criteria, Request, Spec
     from ..modes import Modes
 
 CHOSEN = {
