@@ -253,7 +253,8 @@ def document() -> None:
         f"{float(results['cpu_time'].sum()):.0f} core-seconds.",
         "![Effectiveness over Gamma, and over the clearance](two_optima.png)",
         "## Optima",
-        "Maxima of a Gaussian process through the points of all packings, with standard errors from its posterior "
+        "Maxima of a Gaussian process through the points of all packings; their standard errors are the larger of its "
+        "posterior's and that of leaving packings out one at a time "
         "(`dataset.damper.optimum()`).",
         table(
             ["mode", "frequency", "Gamma of fluidisation", "height", "Gamma of collision", "height"],
