@@ -52,6 +52,8 @@ def contact_law(effects):
     real, vec3, Losses = t.real, t.vec3, t.Losses
     Law, Touch, Motion, History = t.Law, t.Touch, t.Motion, t.History
     at_least, at_most = bounds(real).at_least, bounds(real).at_most
+    # a quotient within a kernel is one of float32, whatever it is cast to
+    FOUR_THIRDS, EIGHT_FIFTEENTHS = wp.constant(real(4.0 / 3.0)), wp.constant(real(8.0 / 15.0))
 
     @wp.func
     def carried_along(stretch: vec3, normal: vec3, tilted: vec3, turned: real):
@@ -182,7 +184,7 @@ def contact_law(effects):
             In the order of ``columns.LOSSES``, or their sum.
         """
         a = wp.sqrt(radius * overlap)
-        normal_force = real(4.0 / 3.0) * law.modulus * a * overlap
+        normal_force = FOUR_THIRDS * law.modulus * a * overlap
         root = real(0.0)
         approach = real(0.0)
         lost = real(0.0)
@@ -237,6 +239,6 @@ def contact_law(effects):
     @wp.func
     def elastic_energy(law: Law, touch: Touch):
         """Energy of the Hertz spring, 2/5 Fn d = 8/15 E* a d^2 [J]."""
-        return real(8.0 / 15.0) * law.modulus * wp.sqrt(touch.radius * touch.overlap) * touch.overlap * touch.overlap
+        return EIGHT_FIFTEENTHS * law.modulus * wp.sqrt(touch.radius * touch.overlap) * touch.overlap * touch.overlap
 
     return contact, parted, elastic_energy, remembered_energy
