@@ -18,11 +18,14 @@ def test_the_wheel_holds_every_module_and_no_other(tmp_path):
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-q", "-w", tmp_path, ROOT]
     subprocess.run(command, check=True, capture_output=True)
     (wheel,) = tmp_path.glob("*.whl")
-    shipped = {name for name in zipfile.ZipFile(wheel).namelist() if name.endswith(".py")}
+    everything = zipfile.ZipFile(wheel).namelist()
+    shipped = {name for name in everything if name.endswith(".py")}
     own = {p.relative_to(ROOT).as_posix() for p in (ROOT / "warpdamp").rglob("*.py")}
     own = {path for path in own if not path.startswith("warpdamp/kernels/")}
     own |= {f"warpdamp/{p.relative_to(ROOT).as_posix()}" for p in (ROOT / "kernels").glob("*.py")}
     assert shipped == own
+    pages = {p.relative_to(ROOT).as_posix() for p in (ROOT / "warpdamp" / "report" / "page").iterdir()}
+    assert pages == {name for name in everything if name.startswith("warpdamp/report/page/")} != set()
 
 
 def test_kernels_do_not_defer_annotations():
