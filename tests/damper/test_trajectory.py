@@ -7,8 +7,8 @@ from warpdamp.damper.case import Criteria, Request, Spec
 from warpdamp.damper.shake import shake
 from warpdamp.damper.trajectory import record
 from warpdamp.numerics.timestep import steps_per_cycle
-from warpdamp.scene.particles import Grains
 from warpdamp.scene.paper import RADIUS, damper
+from warpdamp.scene.particles import Grains
 
 CYCLES = 6
 
@@ -66,7 +66,9 @@ def test_the_forces_of_a_bed_at_rest_carry_its_weight():
     touching = record([spec], [4], frames=2, shown=1).frames[-1].touching
     walls = touching.pairs[:, 1] < 0
     weight = 9.81 * scene.masses(grains).sum()
-    assert touching.force[walls, 2].sum() == pytest.approx(weight, rel=0.02)  # a bed counts as settled with some rattling
+    assert touching.force[walls, 2].sum() == pytest.approx(
+        weight, rel=0.02
+    )  # a bed counts as settled with some rattling
     assert set(touching.pairs[walls, 1]) <= {-1, -2, -3}
     assert (touching.pairs[~walls, 0] < touching.pairs[~walls, 1]).all()
 
