@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import UsageError
+from ..errors import UsageError, WarpdampError
 from .common import one_line_errors, progress, writable
 from .structure import AtOption
 
 if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..modes import Modes
     from ..report.film import Film
     from ..study.again import Again
 
@@ -142,3 +145,66 @@ def _film(taken: Again, colour, forces: bool) -> Film:
         colour,
         forces,
     )
+
+
+LONGEST_CASE = 2e8
+"""Particle-steps above which a report leaves the film out: more than half a minute, mostly."""
+
+
+@app.command()
+def report(
+    file: Annotated[Path, typer.Argument(help="Results of a run.", metavar="RESULTS.nc")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Page to write (default: beside FILE).")] = None,
+    film: Annotated[bool, typer.Option(help="With a film of the most effective case.")] = True,
+) -> None:
+    """Write a report: one HTML file with curves, calculator, energies, modes and a film, which opens offline."""
+    with one_line_errors():
+        from ..analysis.results import read
+        from ..formats.optional import needs
+        from ..report.report_page import write_report
+
+        target = output or file.with_suffix(".html")
+        if target.suffix.lower() != ".html":
+            raise UsageError(f"{target}: name a file that ends in .html")
+        needs("jinja2", "reports", "report")
+        writable(target.parent)
+        dataset = read(file)
+        try:
+            modes = _modes(dataset, file)
+            shown = _film_of_report(dataset, file) if film else "This report was made without a film."
+            write_report(dataset, target, modes=modes, film=shown)
+        except UsageError as error:
+            raise UsageError(f"{file}: {error}" if str(file) not in str(error) else str(error)) from None
+    print(target)
+
+
+def _modes(dataset: xr.Dataset, file: Path) -> Modes | str:
+    """Modes of the structure of a study, with its particles; or why there are none."""
+    from ..study.again import stored_config
+    from ..sweep.cases import Cases
+
+    try:
+        config = stored_config(dataset, file)
+        if config.structure is None:
+            return "The study is of a damper without a structure."
+        if config.dampers:
+            from ..study.several import every_damper, modes_of_all
+
+            return modes_of_all(config, every_damper(config))[0]
+        found = next((point.modes for point in Cases(config).points() if point.modes is not None), None)
+    except WarpdampError as error:
+        return f"The modes cannot be drawn: {error}"
+    return found or "The frequencies were given, so that no modes were computed."
+
+
+def _film_of_report(dataset: xr.Dataset, file: Path) -> Film | str:
+    """Film of the most effective case; or why there is none."""
+    from ..report.film import Colour
+    from ..study.again import again
+    from ..sweep.choice import Choice
+
+    try:
+        taken = again(file, Choice(), anyway=True, most=LONGEST_CASE)
+    except WarpdampError as error:
+        return f"There is no film: {error}"
+    return _film(taken, Colour.SPEED, forces=False)

@@ -78,6 +78,7 @@ def again(
     frames: int = FRAMES,
     shown: int = CYCLES,
     anyway: bool = False,
+    most: float = np.inf,
     report: Callable[[float], None] = lambda done: None,
 ) -> Again:
     """Run a case of a study again and record its last cycles.
@@ -92,6 +93,8 @@ def again(
         Frames, and cycles of the drive that they show.
     anyway : bool
         Record results of another version or machine, too, whose numbers do not come out the same.
+    most : float
+        Particle-steps that the case and those before it may take.
     report : callable
         Called with the part that is done, 0 to 1.
 
@@ -102,7 +105,7 @@ def again(
     Raises
     ------
     UsageError
-        If there is no such case, or results of it; or the numbers are not those of the results.
+        If there is no such case, or results of it; it takes too long; or its numbers are not those of the results.
     SimulationError
         If the case had failed.
     """
@@ -125,6 +128,10 @@ def again(
         _refuse_failed(label(cases, n), own)
     specs = [spec for _, spec in chain]
     counts = [int(own["cycles"]) for own in values]
+    if (
+        steps := sum(n * own.steps_per_cycle * len(own.bed.grains) for n, own in zip(counts, specs, strict=True))
+    ) > most:
+        raise UsageError(f"the case takes {steps:.2g} particle-steps: warpdamp film {source} films it")
     trajectory = record(specs, counts, frames=frames, shown=shown, report=report)
     differing = _differing(trajectory, specs[-1], values[-1])
     if differing and not anyway:

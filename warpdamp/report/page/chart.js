@@ -72,7 +72,8 @@ function extent(values) {
 function axes(box, { label, x, y, height = 300 }) {
   box.replaceChildren();
   const width = Math.max(260, box.clientWidth || 600);
-  const margin = { left: 62, right: 14, top: 12, bottom: 44 };
+  const longest = Math.max(0, ...(y.names || []).map((name) => name.length));
+  const margin = { left: Math.min(width / 3, Math.max(62, 34 + 7 * longest)), right: 14, top: 12, bottom: 44 };
   const svg = s("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label });
   const inner = { left: margin.left, right: width - margin.right, top: margin.top, bottom: height - margin.bottom };
   const scale = (axis, from, to) => {
@@ -227,7 +228,7 @@ function stackedChart(box, { label, x, y, names, layers, totals, height = 300 })
 
 /* Map of cells over two axes of names; colour(value) gives a fill, words(column, row) what is said of a cell. */
 function mapChart(box, { label, x, y, xNames, yNames, cells, colour, words, letter = null, height = null }) {
-  const tall = height || Math.max(140, Math.min(420, 24 * yNames.length + 70));
+  const tall = height || Math.max(140, 7 * y.label.length + 60, Math.min(420, 24 * yNames.length + 70));
   const c = axes(box, {
     label, height: tall,
     x: { ...x, range: [-0.5, xNames.length - 0.5], ticks: xNames.map((_, k) => k), names: xNames },
