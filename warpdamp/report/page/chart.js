@@ -107,7 +107,7 @@ function axes(box, { label, x, y, height = 300 }) {
   });
   const middle = (inner.top + inner.bottom) / 2;
   words.append(s("text", { x: (inner.left + inner.right) / 2, y: height - 6, "text-anchor": "middle" }, x.label));
-  words.append(s("text", { x: 13, y: middle, "text-anchor": "middle", transform: `rotate(-90 13 ${middle})` }, y.label));
+  if (y.label) words.append(s("text", { x: 13, y: middle, "text-anchor": "middle", transform: `rotate(-90 13 ${middle})` }, y.label));
   const frame = { x: inner.left, y: inner.top, width: inner.right - inner.left, height: inner.bottom - inner.top };
   const plot = s("g", {});
   svg.append(grid, s("rect", { ...frame, fill: "none", stroke: "#76828f" }), plot, words);
