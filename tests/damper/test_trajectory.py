@@ -51,7 +51,7 @@ def test_frames_are_evenly_spaced_over_the_last_cycles(spec, trajectory):
 
 
 def test_the_particles_losses_add_up_to_the_ledgers(spec, trajectory):
-    """Sampled four times within the shortest contact: to 5 % over two cycles of 40 particles; the paper's damper: 2 %."""
+    """Sampled twice within the shortest contact: to 5 % over two cycles of 40 particles; the paper's damper: 2 %."""
     ends = record([spec], [CYCLES], frames=spec.steps_per_cycle // 40, shown=2)  # the last frame ends near the end
     lost = ends.frames[-1].lost.sum() / trajectory.ledger.per_cycle()[-2:].sum()
     assert lost == pytest.approx(1 - 1 / len(ends.frames), abs=0.05)
