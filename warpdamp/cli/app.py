@@ -232,9 +232,9 @@ def plot(
 @app.command()
 def schema() -> None:
     """Print the JSON schema of the configuration, for editors."""
-    from ..config.study import Config
+    from ..config.schema import json_schema
 
-    print(json.dumps(Config.model_json_schema(), indent=2))
+    print(json.dumps(json_schema(), indent=2))
 
 
 app.registered_commands += cli_structure.app.registered_commands
