@@ -44,7 +44,7 @@ class Sections:
             "",
             text,
             "",
-            *table(("key", "value", "default", "range", "what it does"), rows),
+            *table(("key", "value", "default", "what it does"), rows),
         ]
         for place, name in below:
             lines += ["", *self.of(place, self.models[name])]
@@ -73,9 +73,8 @@ class Sections:
         limits = dict.fromkeys(limit for part in parts(prop) for limit in range_of(part))
         return (
             f"**`{name}`**" if required else f"`{name}`",
-            self._value(prop),
+            ", ".join((self._value(prop), *limits)),
             default,
-            " and ".join(limits),
             plain(prop["description"]),
         )
 

@@ -102,7 +102,7 @@ def several_dampers(dataset: xr.Dataset | Sequence[xr.Dataset], dampers: Sequenc
     """Damping of a structure with several dampers, each shaken as hard as its own place moves.
 
     The energies of all dampers add up over the one strain energy of the mode: at Gamma of the reference damper,
-    damper j is shaken with Gamma |phi_j / phi_ref| and
+    damper j is shaken with Gamma ``|phi_j / phi_ref|`` and
 
         zeta(Gamma) = sum_j zeta_j(Gamma |phi_j / phi_ref|) + inherent damping,
 
