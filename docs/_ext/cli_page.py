@@ -10,8 +10,8 @@ from typer.cli import get_docs_for_click
 from warpdamp.cli.app import app
 
 TITLE = "The command line"
-INTRODUCTION = """Written from the commands themselves; `warpdamp COMMAND --help` prints the same. An error is one line and
-ends with exit status 2; a run that is stopped ends with 130 and goes on by the same command.
+INTRODUCTION = """Written from the commands themselves; `warpdamp COMMAND --help` prints the same. An error is one line
+and ends with exit status 2; a run that is stopped ends with 130 and goes on by the same command.
 `warpdamp --install-completion` makes the shell complete commands and options.
 """
 

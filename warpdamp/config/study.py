@@ -71,6 +71,7 @@ class NumericsConfig(Model):
     """Precision and step of the motion, and the device that computes it."""
 
     device: Device = "cpu"
+    """Device that simulates; one that this machine lacks is refused."""
     precision: Literal["float64", "float32"] = "float64"
     """Of the motion; the ledger is always of float64."""
     steps_per_contact: Annotated[Number, Field(ge=10)] = 24.0

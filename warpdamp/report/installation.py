@@ -26,16 +26,13 @@ def versions() -> dict[str, str]:
 
 
 def devices() -> dict[str, str]:
-    """Devices that Warp finds, by the names that it gives them; starts Warp."""
+    """Devices that a study can run on, by the names that Warp gives them; starts Warp."""
     import warp as wp
 
-    from ..engine.device import DEVICE
+    from ..engine.device import present
 
-    cores = f"{os.cpu_count()} cores, used by default"
-    return {
-        device.alias: f"{device.name or platform.machine()}{f', {cores}' if device.alias == DEVICE else ''}"
-        for device in wp.get_devices()
-    }
+    gpus = {gpu.alias: f"{gpu.name}, {gpu.total_memory / 2**30:.0f} GiB" for gpu in wp.get_cuda_devices()}
+    return {kind: f"{os.cpu_count()} cores" for kind in present() if kind == "cpu"} | gpus
 
 
 def caches() -> dict[str, str]:
