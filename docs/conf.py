@@ -58,6 +58,9 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
     "remove_config_comments": True,
     "download_all_examples": False,
+    "image_scrapers": ("matplotlib", "figures.figures"),
+    "reset_modules": ("matplotlib",),
+    "capture_repr": (),
     "show_signature": False,
 }
 copybutton_exclude = ".linenos, .gp, .go"

@@ -45,8 +45,10 @@ def test_the_wheel_runs_a_study_away_from_the_checkout(wheel, tmp_path):
         return subprocess.run(line, capture_output=True, text=True, check=True, cwd=tmp_path, env=environment).stdout
 
     assert Path(python("-c", "import warpdamp; print(warpdamp.__file__)").strip()).is_relative_to(tmp_path / "site")
-    python("-m", "warpdamp", "run", str(ROOT / "configs" / "modes_given.yaml"), "--quick", "--workers", "1")
-    assert (tmp_path / "results" / "modes_given-quick.png").read_bytes()[:4] == b"\x89PNG"
+    text = (ROOT / "configs" / "modes_given.yaml").read_text()
+    (tmp_path / "short.yaml").write_text(text.replace("[1, 2, 3, 4, 6, 8, 10]", "[2, 6]"))
+    python("-m", "warpdamp", "run", "short.yaml", "--quick", "--workers", "1")
+    assert (tmp_path / "results" / "short-quick.png").read_bytes()[:4] == b"\x89PNG"
 
 
 def test_kernels_do_not_defer_annotations():
