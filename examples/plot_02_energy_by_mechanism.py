@@ -4,7 +4,8 @@ Energy by mechanism
 
 Every loss of energy is counted by its own formula as it happens, for contacts between particles and with the walls
 apart; none is what is left of the others. So the sum of the areas can be held against the work that the enclosure put
-in (line), and against that of the first harmonic of the reaction (dots): three accounts of the same energy.
+in (line), and against that of the first harmonic of the reaction (dots): three accounts of the same energy. Where
+the line falls short, at the lowest amplitudes, beds give up energy that they had stored, as while they sink.
 """
 
 from pathlib import Path

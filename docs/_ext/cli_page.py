@@ -21,5 +21,9 @@ def page() -> str:
     group = typer.main.get_command(app)
     text = get_docs_for_click(obj=group, ctx=group.context_class(group, info_name="warpdamp"), name="warpdamp")
     body = text.partition("\n")[2]  # its title
-    body = re.sub(r"^\* `(.*?)`: (.*)\.\.\.$", r"* `\1`: \2 …", body, flags=re.MULTILINE)
-    return f"# {TITLE}\n\n{INTRODUCTION}{body}"
+    for name, command in group.commands.items():  # whole sentences, where the list of commands cuts them off
+        first = " ".join(command.help.partition("\n\n")[0].split())
+        body = re.sub(
+            rf"^\* `{name}`: .*$", f"* [`{name}`](#warpdamp-{name}): {first}", body, count=1, flags=re.MULTILINE
+        )
+    return f"# {TITLE}\n\n{INTRODUCTION}\n{body}"
