@@ -38,7 +38,7 @@ extensions = [
 exclude_patterns = ["_build", "gallery/GALLERY_HEADER.rst"]
 suppress_warnings = ["config.cache"]  # the order of the gallery is a class, which Sphinx cannot store
 
-myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "attrs_inline"]
+myst_enable_extensions = ["colon_fence", "dollarmath", "amsmath", "deflist", "attrs_inline"]
 myst_heading_anchors = 4
 myst_dmath_double_inline = True
 

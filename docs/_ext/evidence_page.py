@@ -27,6 +27,7 @@ SHOWS = {
     "card": "a damper as a part; with it the beam by FRF, harmonic solution and substructuring",
     "coupling": "the prediction against structures that answer the particles, and the price of each",
     "effects": "what each effect costs, on and off, and against kernels that never had it",
+    "first-time": "the tutorial's commands and minutes in an empty environment",
     "frequency_map": "the paper's damper over 27 frequencies and 24 amplitudes: optima, fits, regimes",
     "frf": "natural frequency and damping by energy and by fitted FRFs; constant force",
     "gamma_c": "the optimum of collision over frequency beside the paper's line and a block; the motion",
