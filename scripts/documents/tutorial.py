@@ -62,8 +62,8 @@ def main():
     wall, spent = (sum(row[k] for row in rows) / 60 for k in (1, 2))
     write_document(
         "first-time.md",
-        f"{head('The path of a first-time user', __file__)}, which takes the [tutorial](tutorial/index.md) from a fresh "
-        "checkout, in an empty environment with empty caches: nothing compiled, no bed made. On "
+        f"{head('The path of a first-time user', __file__)}, which takes the [tutorial](tutorial/index.md) from a "
+        "fresh checkout, in an empty environment with empty caches: nothing compiled, no bed made. On "
         f"{machine()}; load {load:.1f} before the first command. Where the wall's time is far above the processor's, "
         "others used the machine.",
         table(
