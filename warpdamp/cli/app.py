@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from ..errors import UsageError
+from ..version import PHYSICS_VERSION, __version__
 from . import structure as cli_structure
 from .common import ConfigArgument, one_line_errors, picture_file, progress, writable
 
@@ -22,8 +23,22 @@ app = typer.Typer(
     help="How much vibration a granular damper takes out of a structure.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    add_completion=False,
 )
+
+
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        print(f"warpdamp {__version__}, physics version {PHYSICS_VERSION}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Show the versions and exit.")
+    ] = False,
+) -> None:
+    pass
 
 
 @app.command()
@@ -232,9 +247,22 @@ def plot(
 @app.command()
 def schema() -> None:
     """Print the JSON schema of the configuration, for editors."""
-    from ..config.study import Config
+    from ..config.schema import json_schema
 
-    print(json.dumps(Config.model_json_schema(), indent=2))
+    print(json.dumps(json_schema(), indent=2))
+
+
+@app.command()
+def info() -> None:
+    """Show what is installed: versions, devices, caches, extras."""
+    from ..report.installation import caches, devices, extras, versions
+
+    with one_line_errors():
+        parts = {"versions": versions(), "devices": devices(), "caches": caches(), "extras": extras()}
+    for title, lines in parts.items():
+        print(title)
+        for name, text in lines.items():
+            print(f"  {name:<12} {text}")
 
 
 app.registered_commands += cli_structure.app.registered_commands

@@ -31,9 +31,13 @@ class SteadyConfig(Model):
     """End of a case.  ``paper``: fixed times, 0.2 s of settling and 0.3 s of shaking, for comparison."""
 
     recipe: Literal["detect", "paper"] = "detect"
+    """``detect``: until steady; ``paper``: 0.2 s of settling and 0.3 s of shaking, for comparison."""
     standard_error: Annotated[Number, _positive] = 0.02
+    """Relative standard error of the energy per cycle at which a case may end."""
     fewest_cycles: Annotated[StrictInt, Field(ge=8)] = 30
+    """Cycles that a case runs at least."""
     most_cycles: Annotated[StrictInt, Field(ge=8)] = 1000
+    """Cycles after which a case ends, whether it is steady or not; its status says which."""
 
     @model_validator(mode="after")
     def _ordered(self):
@@ -49,7 +53,9 @@ class AccuracyConfig(Model):
     """
 
     tolerance: Annotated[Number, Field(gt=0, le=0.5)]
+    """Relative standard error wanted of the energy per cycle, all its parts together."""
     most_packings: Annotated[StrictInt, Field(ge=FEWEST_PACKINGS, le=100)] = 32
+    """Packings that a point may be given, at most."""
 
     @model_validator(mode="before")
     @classmethod
@@ -65,32 +71,51 @@ class NumericsConfig(Model):
     """Precision and step of the motion, and the device that computes it."""
 
     device: Device = "cpu"
+    """Device that simulates; one that this machine lacks is refused."""
     precision: Literal["float64", "float32"] = "float64"
+    """Of the motion; the ledger is always of float64."""
     steps_per_contact: Annotated[Number, Field(ge=10)] = 24.0
+    """Steps in the shortest contact expected; the step divides the period."""
     step: Literal["auto"] | Annotated[Time, _positive] = "auto"
+    """Length of a step; ``auto``: from ``steps_per_contact``."""
 
 
 class Config(Model):
     """Study: a damper, its excitation, and the structure it sits on."""
 
     title: str = "Granular damper"
+    """Title of pictures and results."""
     structure: StructureConfig | None = None
+    """The structure that the damper sits on; without it there is effectiveness, but no modal damping."""
     damper: DamperConfig
+    """The damper: a cavity and what is in it."""
     dampers: list[FurtherDamperConfig] = Field([])
+    """Further dampers on the same structure."""
     materials: Annotated[
         dict[Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_-]*$")], MaterialConfig], Field(min_length=1)
     ]
+    """Materials by names of your own."""
     contact: ContactConfig
+    """What happens where particles touch each other and the walls."""
     excitation: ExcitationConfig
+    """How the cavity is shaken."""
     preparation: Word | PreparationConfig = "compacted"
+    """State of the bed before a case: ``loose`` as poured, ``compacted``, ``carried``, or a state asked for."""
     steady_state: SteadyConfig = SteadyConfig()
+    """When a case ends."""
     accuracy: AccuracyConfig | None = None
+    """Accuracy asked for, in a word or as a tolerance: step, length of cases and packings follow from it."""
     effects: EffectsConfig = EffectsConfig()
+    """Effects forced on or off."""
     numerics: NumericsConfig = NumericsConfig()
+    """Precision and step."""
     seeds: list[Annotated[StrictInt, Field(ge=0)]] = Field([1], min_length=1)
+    """A random packing for each."""
 
     sweep: SweepConfig | None = None
+    """Scalars, by their paths, that take several values."""
     coupled: CoupledConfig | None = None
+    """Runs in which the structure answers, of ``warpdamp coupled``."""
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 
