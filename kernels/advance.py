@@ -27,8 +27,8 @@ def stepper(effects, count: int):
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
     Case, Particle, Contacts, HostStructure = t.Case, t.Particle, t.Contacts, t.HostStructure
-    nearby_pairs, pair_forces, _ = pair_contacts(effects, count)
-    wall_forces, _, contained = wall_contacts(effects, count)
+    nearby_pairs, pair_forces, _, _ = pair_contacts(effects, count)
+    wall_forces, _, contained, _ = wall_contacts(effects, count)
     enclosure_phase, integrate, kick = motion(effects)
     book = ledger(effects, count)
     tally, stored, add_impulses, Column = book.tally, book.stored, book.add_impulses, book.Column

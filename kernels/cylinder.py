@@ -18,7 +18,7 @@ from .structs import FLOOR, LID, SIDE, WALLS, types
 
 @functools.cache
 def wall_contacts(effects, count: int):
-    """Return ``wall_forces``, ``wall_energy`` and ``contained`` for the given effects.
+    """Return ``wall_forces``, ``wall_energy``, ``contained`` and ``wall_contact`` for the given effects.
 
     ``count`` contacts are computed side by side.
     """
@@ -199,4 +199,4 @@ def wall_contacts(effects, count: int):
                 inside = inside and x[2] <= case.height
         return inside
 
-    return wall_forces, wall_energy, contained
+    return wall_forces, wall_energy, contained, wall_contact

@@ -14,7 +14,7 @@ from .structs import types
 
 @functools.cache
 def pair_contacts(effects, count: int):
-    """Return ``nearby_pairs``, ``pair_forces`` and ``pair_energy``, ``count`` contacts side by side."""
+    """Return ``nearby_pairs``, ``pair_forces``, ``pair_energy``, ``pair_contact``, ``count`` contacts side by side."""
     t = types(effects)
     real, vec3 = t.real, t.vec3
     Losses, History = t.Losses, t.History
@@ -180,4 +180,4 @@ def pair_contacts(effects, count: int):
                     stored[2] += wp.float64(rolling)
         return stored
 
-    return nearby_pairs, pair_forces, pair_energy
+    return nearby_pairs, pair_forces, pair_energy, pair_contact

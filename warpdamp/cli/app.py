@@ -14,6 +14,7 @@ import typer
 
 from ..errors import UsageError
 from ..version import PHYSICS_VERSION, __version__
+from . import look as cli_look
 from . import structure as cli_structure
 from .common import ConfigArgument, one_line_errors, picture_file, progress, writable
 
@@ -265,6 +266,7 @@ def info() -> None:
             print(f"  {name:<12} {text}")
 
 
+app.registered_commands += cli_look.app.registered_commands
 app.registered_commands += cli_structure.app.registered_commands
 
 

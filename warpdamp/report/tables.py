@@ -218,8 +218,7 @@ def verdicts(dataset: xr.Dataset) -> list[str]:
         )
     if "ledger_residual" not in dataset:
         return lines
-    stopped = dataset["compaction_settled"] == 0
-    if stopped.any():
+    if "compaction_settled" in dataset and (stopped := dataset["compaction_settled"] == 0).any():
         of_drive = [dim for dim in ("frequency", "gamma") if dim in stopped.dims]
         lines.append(
             f"{int(stopped.any(of_drive).sum())} beds were still compacting, or not in the state asked for, when "
