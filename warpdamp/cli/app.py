@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from ..errors import UsageError
+from . import design as cli_design
 from . import structure as cli_structure
 from .common import ConfigArgument, one_line_errors, picture_file, progress, writable
 
@@ -237,7 +238,7 @@ def schema() -> None:
     print(json.dumps(Config.model_json_schema(), indent=2))
 
 
-app.registered_commands += cli_structure.app.registered_commands
+app.registered_commands += cli_structure.app.registered_commands + cli_design.app.registered_commands
 
 
 def main() -> None:

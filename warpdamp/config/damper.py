@@ -27,11 +27,21 @@ def between(key: str) -> tuple[str, str]:
 
 
 class MaterialConfig(Model):
-    """Isotropic elastic material."""
+    """Isotropic elastic material.
+
+    ``library`` names the one of the library (``warpdamp materials``) that stands for what is left out here; ``source``
+    says where values are from.
+    """
 
     density: _swept(Density, _positive)
     youngs_modulus: _swept(Pressure, _positive)
     poissons_ratio: _swept(Number, Field(gt=-1, lt=0.5))
+    library: str | None = None
+    source: str | None = None
+
+    def elastic(self) -> dict[str, Any]:
+        """Density, Young's modulus and Poisson's ratio by name."""
+        return self.model_dump(exclude={"library", "source"})
 
 
 class SurfaceConfig(Model):
@@ -45,11 +55,13 @@ class SurfaceConfig(Model):
 class ContactConfig(SurfaceConfig):
     """Contact of particles with each other and, unless ``walls`` says otherwise, with the walls.
 
-    ``pairs`` has the surfaces of a mixture that differ, as ``steel with pmma`` and ``steel with walls``.
+    ``pairs`` has the surfaces of a mixture that differ, as ``steel with pmma`` and ``steel with walls``.  What the
+    library knows of the particles' material on itself may be left out; ``source`` then says where it is from.
     """
 
     walls: SurfaceConfig | None = None
     pairs: dict[Annotated[str, Field(pattern=r"^\S+ with \S+$")], SurfaceConfig] = Field({})
+    source: str | None = None
 
 
 class EnclosureConfig(Model):

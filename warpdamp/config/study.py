@@ -15,11 +15,13 @@ from pydantic import (
 
 from ..errors import ConfigError, printable
 from ..numerics.tolerance import FEWEST_PACKINGS
+from ..scene.materials import LIBRARY
 from .base import POSITIVE as _positive
 from .base import Model
 from .coupled import CoupledConfig
 from .damper import WALLS, ContactConfig, DamperConfig, EffectsConfig, ExcitationConfig, MaterialConfig, between
-from .messages import keys, place, suggestion
+from .library import COMMAND, written_out
+from .messages import closest, keys, place, suggestion
 from .preparation import PreparationConfig, Word, carried_path, check_preparation, read_preparation
 from .quantities import Number, Time
 from .structure import FurtherDamperConfig, StructureConfig, check_further
@@ -92,6 +94,11 @@ class Config(Model):
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _from_the_library(cls, values):
+        return written_out(values) if isinstance(values, dict) else values
+
     @field_validator("preparation", mode="wrap")
     @classmethod
     def _word_or_state(cls, value, _):
@@ -128,7 +135,9 @@ class Config(Model):
             named[f"structure.{self.structure.source}.material"] = material
         for where, name in named.items():
             if name not in self.materials:
-                raise ValueError(f"{where}: there is no material '{name}'{suggestion(name, self.materials)}")
+                known = [*self.materials, *LIBRARY]
+                close = suggestion(name, known) if closest(name, known) else f": define it under materials; {COMMAND}"
+                raise ValueError(f"{where}: there is no material '{name}'{close}")
         for name in self.materials:
             if name not in named.values():
                 raise ValueError(f"materials.{name}: is not used by anything: leave it out")
