@@ -93,8 +93,8 @@ def test_a_name_of_ones_own_hides_the_librarys(tmp_path):
 @pytest.mark.parametrize(
     ("parts", "expected"),
     [
-        ({"grain": "stel_ball_bearing"}, "3:43: damper.particles.material: there is no material 'stel_ball_bearing'; did you mean 'steel_ball_bearing'?"),
-        ({"grain": "unobtainium"}, "3:43: damper.particles.material: there is no material 'unobtainium': define it under materials; `warpdamp materials` lists"),
+        ({"grain": "stel_ball_bearing", "contact": "{restitution: 0.5, friction: 0.5}"}, "3:43: damper.particles.material: there is no material 'stel_ball_bearing'; did you mean 'steel_ball_bearing'?"),
+        ({"grain": "unobtainium", "contact": "{restitution: 0.5, friction: 0.5}"}, "3:43: damper.particles.material: there is no material 'unobtainium': define it under materials; `warpdamp materials` lists"),
         ({"grain": "polypropylene"}, "3:43: damper.particles.material: the library has no poissons_ratio of polypropylene"),
         ({"grain": "lead"}, "5:1: contact: the library has no restitution and no friction of lead with a source: give restitution, friction"),
         ({"grain": "b", "materials": "materials: {b: {library: led}}"}, "4:17: materials.b.library: there is no 'led'; did you mean 'lead'?"),

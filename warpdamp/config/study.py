@@ -20,6 +20,7 @@ from .base import POSITIVE as _positive
 from .base import Model
 from .coupled import CoupledConfig
 from .damper import WALLS, ContactConfig, DamperConfig, EffectsConfig, ExcitationConfig, MaterialConfig, between
+from .design import DesignConfig
 from .library import COMMAND, written_out
 from .messages import closest, keys, place, suggestion
 from .preparation import PreparationConfig, Word, carried_path, check_preparation, read_preparation
@@ -91,6 +92,7 @@ class Config(Model):
 
     sweep: SweepConfig | None = None
     coupled: CoupledConfig | None = None
+    design: DesignConfig | None = None
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
 
@@ -149,6 +151,7 @@ class Config(Model):
         if len(set(self.seeds)) < len(self.seeds):
             raise ValueError("seeds: each seed once")
         self._check_dampers()
+        self._check_design()
         grains = [p.material for damper in (self.damper, *self.dampers) for p in damper.mixture]
         for key in self.contact.pairs:
             for name in between(key):
@@ -165,6 +168,23 @@ class Config(Model):
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
             raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
         return self
+
+    def _check_design(self):
+        """One damper, on a structure, is looked for at the structure's modes."""
+        if not self.design:
+            return
+        if not self.structure:
+            raise ValueError("design: a damper is designed for a structure: say which, under structure")
+        for other in ("dampers", "sweep"):
+            if getattr(self, other):
+                raise ValueError(f"{other}: is not for a design, which has one damper and variables of its own")
+        if self.excitation.frequency != "modes":
+            raise ValueError("excitation.frequency: a design is for the structure's modes: leave it out")
+        if self.preparation == "carried" or carried_path(self.preparation):
+            raise ValueError("preparation: a design takes loose or compacted beds, not carried ones")
+        wanted, there = self.design.target.modes, self.structure.modes
+        if wanted and there and not set(wanted) <= set(there):
+            raise ValueError(f"design.target.modes: are not all among structure.modes ({', '.join(map(str, there))})")
 
     def _check_dampers(self):
         """Several dampers sit on one structure, and are shaken at its modes as hard as each one's place moves."""
