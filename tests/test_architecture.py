@@ -41,6 +41,7 @@ LEVELS = (
     {"sweep", "report"},
     {"execution", "coupled", "accessor"},
     {"study"},
+    {"design"},
     {"cli", "", "__main__"},
 )
 """What stands on each level, from the ground up; ``""`` is ``warpdamp/__init__.py``, the public face."""

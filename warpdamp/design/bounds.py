@@ -19,8 +19,8 @@ from ..modal.damping import damping_of_effectiveness
 from ..scene.scene import STANDARD_GRAVITY
 from .problem import Design, Problem
 
-SMALLEST_MASS, LARGEST_MASS = 1e-7, 1e4
-"""Masses [kg] between which the least one is looked for."""
+LARGEST_MASS, MOST_ROUNDS, ROUNDED = 1e4, 60, 1e-6
+"""Mass [kg] beyond which none is looked for; steps towards the least one, and the relative change that ends them."""
 
 PACKING = 0.55
 """Packing fraction of a compacted bed before any is simulated (the paper's v_max in eq. 2)."""
@@ -66,28 +66,24 @@ def largest_damping(mass: float, amplitude, inherent):
 def least_mass(problem: Problem, design: Design) -> float:
     """Mass of particles [kg] below which no damper at a design's place reaches the target in every mode.
 
+    From an empty damper on: the mass that the shapes need is too little for the shapes that it makes, so that the steps
+    rise to the least one, or beyond every mass.
+
     Returns
     -------
     float
         Infinite where no mass does: the structure then moves with the damper.
     """
-    wanted = problem.target.damping
-
-    def lacks(log_mass: float) -> float:
-        mass = math.exp(log_mass)
+    wanted, mass = problem.target.damping, 0.0
+    for _ in range(MOST_ROUNDS):
         _, amplitude, inherent = _modes_at(problem, design, mass)
-        return float(np.min(largest_damping(mass, amplitude, inherent))) - wanted
-
-    low, high = math.log(SMALLEST_MASS), math.log(LARGEST_MASS)
-    if lacks(low) >= 0:
-        return 0.0
-    steps = np.linspace(low, high, 26)
-    enough = next((k for k, x in enumerate(steps) if lacks(x) >= 0), None)
-    if enough is None:
-        return math.inf
-    from scipy.optimize import brentq
-
-    return math.exp(brentq(lacks, steps[enough - 1], steps[enough], xtol=1e-4))
+        needed = float(np.max((wanted - inherent) / damping_of_effectiveness(1.0, 1.0, amplitude)))
+        if needed <= mass * (1 + ROUNDED):
+            return max(mass, 0.0)
+        if needed > LARGEST_MASS:
+            break
+        mass = needed
+    return math.inf
 
 
 def _modes_at(problem: Problem, design: Design, mass: float):

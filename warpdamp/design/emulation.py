@@ -1,8 +1,8 @@
 """Emulator of a search: effectiveness over mode, Gamma and design, in the numbers that it depends on.
 
-Inputs are logarithms: of the frequency, of Gamma, of the Gamma of the collision optimum over Gamma (eqs 1 and 2), of the
-bed's depth and the cavity's diameter over the particles', and of every variable that none of these holds; a choice of
-words, as of a material, is a number of its own.
+Inputs are logarithms: of the frequency, of Gamma, of the Gamma of the collision optimum over Gamma (eqs 1 and 2), of
+the bed's depth and the cavity's diameter over the particles', and of every variable that none of these holds; a choice
+of words, as of a material, is a few numbers.
 """
 
 from __future__ import annotations

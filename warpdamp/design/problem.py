@@ -130,6 +130,7 @@ class Problem:
         self.variables = [self._variable(reader, key, rule) for key, rule in self.design.variables.items()]
         self._base = tree(config) | {"seeds": [1]}
         self._modes: dict[tuple, tuple[np.ndarray, list[Modes]]] = {}
+        self._exact: dict[tuple, Modes] = {}
         self._check_limits()
 
     @property
@@ -164,7 +165,8 @@ class Problem:
         if not 0 < size <= high - low:
             raise self.config.error(place, f"a step of {size:g} is not positive, or longer than the range")
         count = int((high - low) / size * (1 + 1e-12)) + 1
-        return Variable(path, tuple(low + k * size for k in range(count)))
+        values = (low + k * size for k in range(count))
+        return Variable(path, tuple(v if isinstance(v, int) else float(f"{v:.12g}") for v in values))
 
     def _step(self, reader: Reader, path: Path, step, place) -> float:
         value = reader.condition(dotted(path), [step], place)[1][0]
@@ -242,6 +244,12 @@ class Problem:
         ConfigError
             At ``design.target.modes``, if one has a node there.
         """
+        key = (*(value for path, value in design.values.items() if path[0] == "structure"), design.mass)
+        if key not in self._exact:
+            self._exact[key] = self._found(design)
+        return self._exact[key]
+
+    def _found(self, design: Design) -> Modes:
         try:
             found = structure_modes(design.config, particles=design.mass)
             return found.pick(self.target.modes or found.number)
