@@ -96,20 +96,26 @@ def drives_of(problem: Problem, design: Design, masses: tuple[float, float], poi
     return Drives(rows, *map(of_mode, (frequency, amplitude, inherent)), gamma.ravel(), force)
 
 
-def assess(emulation: Emulation, design: Design, masses: tuple[float, float], seed: int = 0) -> Assessment:
-    """What the emulator says of a design."""
+def assess(emulation: Emulation, designs: list[Design], masses: tuple[float, float], seed: int = 0) -> list[Assessment]:
+    """What the emulator says of designs, each for itself."""
+    if not designs:
+        return []
     problem = emulation.problem
-    drives = drives_of(problem, design, masses)
-    mean, covariance = emulation.log_effectiveness(design, drives.frequency, drives.gamma)
-    return judged(problem, design, drives, drawn(mean, covariance, DRAWS, seed))
+    drives = [drives_of(problem, design, masses) for design in designs]
+    drive = ([own.frequency for own in drives], [own.gamma for own in drives])
+    draws = drawn(*emulation.log_effectiveness(designs, *drive), DRAWS, seed)
+    return [judged(problem, *each) for each in zip(designs, drives, draws, strict=True)]
 
 
 def drawn(mean: np.ndarray, covariance: np.ndarray, draws: int, seed: int) -> np.ndarray:
-    """Draws of the effectiveness (draws, n) from the mean and covariance of its logarithm; the same each time."""
+    """Draws of the effectiveness (k, draws, n) from means (k, n) and covariances (k, n, n) of its logarithm.
+
+    They are the same each time, and of one normal draw for all k.
+    """
     value, vector = np.linalg.eigh(covariance)
-    root = vector * np.sqrt(np.maximum(value, 0.0))
-    normal = np.random.default_rng(seed).standard_normal((draws, len(mean)))
-    return np.exp(mean + normal @ root.T)
+    root = vector * np.sqrt(np.maximum(value, 0.0))[:, None, :]
+    normal = np.random.default_rng(seed).standard_normal((draws, mean.shape[1]))
+    return np.exp(mean[:, None, :] + np.einsum("dn,kmn->kdm", normal, root, optimize=True))
 
 
 def judged(problem: Problem, design: Design, drives: Drives, effectiveness: np.ndarray) -> Assessment:

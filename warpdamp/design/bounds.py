@@ -25,8 +25,11 @@ LARGEST_MASS, MOST_ROUNDS, ROUNDED = 1e4, 60, 1e-6
 PACKING = 0.55
 """Packing fraction of a compacted bed before any is simulated (the paper's v_max in eq. 2)."""
 
-FEWEST_OF_RANGE = 1.3
-"""Ratio of the ends of a range of Gamma from which a collision optimum must hold over a range, not at a point."""
+NARROW = 0.1
+"""Clearance, in diameters of a particle, below which beds do not travel as one body: they differ by half of it."""
+
+BEYOND = 1.3
+"""Part of the largest clearance up to which the collision optimum may lie."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +130,9 @@ def find_bounds(problem: Problem, designs: list[Design]) -> Bounds:
         If the target is impossible, with the number that says so.
     """
     if not designs:
-        raise problem.error("variables", "no combination of them can be: particles do not fit, or limits exclude all")
+        raise problem.error(
+            "variables", "no combination of them can be: particles do not fit, or the envelope is too small"
+        )
     places: dict[tuple, Design] = {}
     for design in designs:
         places.setdefault(tuple(v for path, v in design.values.items() if path[0] == "structure"), design)
@@ -137,12 +142,15 @@ def find_bounds(problem: Problem, designs: list[Design]) -> Bounds:
         _refuse_impossible(problem, designs, min(needed.values()))
     best = min(needed, key=needed.get)
     design, mass = places[best], needed[best] or min(d.mass for d in designs)
+    if not any(map(problem.light_enough, designs)):
+        least = 1e3 * min(d.mass for d in designs)
+        raise problem.error("limits.mass", f"the variables allow no less than {least:.4g} g of particles")
     frequency, amplitude, inherent = _modes_at(problem, design, mass)
     gamma = gamma_range(problem, design, mass)
     _refuse_force(problem, gamma, amplitude, inherent)
     clearance = np.stack([collision_clearance(gamma[:, k], frequency) for k in (0, 1)], axis=1)
     free = [d.clearance(PACKING) for d in designs]
-    available = max(min(free), 0.0), max(free)
+    available = max(min(free), NARROW * 2 * min(d.radius for d in designs)), max(free)
     motion, why = _motion(problem, gamma, frequency, clearance, available)
     return Bounds(needed[best], gamma, frequency, clearance, available, motion, why)
 
@@ -194,7 +202,7 @@ def _motion(problem: Problem, gamma, frequency, clearance, available) -> tuple[s
     there = f"the variables allow {1e3 * available[0]:.3g} to {1e3 * available[1]:.3g} mm (eq. 2)"
     if not problem.gravity():
         return "collision", f"{wanted}; {there}; without gravity along the motion nothing fluidises"
-    if available[0] <= middle[k] <= available[1] * FEWEST_OF_RANGE:
+    if available[0] <= middle[k] <= available[1] * BEYOND:
         return "collision", f"{wanted}; {there}"
     side = "less" if middle[k] < available[0] else "more"
     return "fluidisation", f"{wanted}, {side} than there is: {there}"

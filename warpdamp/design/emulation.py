@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from ..numerics.process import Process, fit
 from ..scene.scene import STANDARD_GRAVITY
@@ -41,27 +42,25 @@ class Emulation:
     kept: np.ndarray
     packing: float
 
-    def log_effectiveness(self, design: Design, frequency, gamma) -> tuple[np.ndarray, np.ndarray]:
-        """Mean (n,) and covariance (n, n) of the logarithm at frequencies and Gammas (n,) of one design."""
-        points = np.array([inputs(design, f, g, self.packing) for f, g in zip(frequency, gamma, strict=True)])
-        return self.process.joint(points[:, self.kept])
+    def log_effectiveness(self, designs: list[Design], frequency, gamma) -> tuple[np.ndarray, np.ndarray]:
+        """Means (k, n) and covariances (k, n, n) of the logarithm at frequencies and Gammas (k, n) of k designs."""
+        points = [inputs(*drives, self.packing)[:, self.kept] for drives in zip(designs, frequency, gamma, strict=True)]
+        with threadpool_limits(1):
+            return self.process.joints(np.array(points))
 
 
-def inputs(design: Design, frequency: float, gamma: float, packing: float) -> list[float]:
-    """Inputs of the emulator at a drive of a design."""
+def inputs(design: Design, frequency, gamma, packing: float) -> np.ndarray:
+    """Inputs of the emulator at frequencies and Gammas (n,) of a design, (n, inputs)."""
+    frequency, gamma = np.atleast_1d(frequency), np.atleast_1d(gamma)
     diameter = 2 * design.radius
     clearance = max(design.clearance(packing), SMALLEST_CLEARANCE * diameter)
     depth = max(design.cavity.height - clearance, diameter)
     optimum = 4 * math.pi * frequency**2 * clearance / STANDARD_GRAVITY
     rest = [_number(value) for path, value in design.values.items() if path not in GEOMETRY and path[0] != "structure"]
-    return [
-        math.log(frequency),
-        math.log(gamma),
-        math.log(optimum / gamma),
-        math.log(depth / diameter),
-        math.log(design.cavity.diameter / diameter),
-        *(number for numbers in rest for number in numbers),
-    ]
+    same = [depth / diameter, design.cavity.diameter / diameter]
+    fixed = [*np.log(same), *(number for numbers in rest for number in numbers)]
+    moving = np.log([frequency, gamma, optimum / gamma]).T
+    return np.hstack([moving, np.tile(fixed, (len(gamma), 1))])
 
 
 def _number(value) -> list[float]:
@@ -89,7 +88,7 @@ def emulate(problem: Problem, rows: list[Row]) -> Emulation:
     known = [row for row in rows if row.known]
     packings = [row.packing for row in known if np.isfinite(row.packing)]
     packing = float(np.median(packings)) if packings else PACKING
-    points = np.array([inputs(row.order.design, row.frequency, row.order.gamma, packing) for row in known])
+    points = np.array([inputs(row.order.design, row.frequency, row.order.gamma, packing)[0] for row in known])
     if not len(points):
         raise ValueError("no case ended with a result")
     kept = np.flatnonzero(np.ptp(points, axis=0) > NO_EFFECT)

@@ -11,10 +11,12 @@ from pydantic import ValidationError
 
 from ..config.build import grains, particle_mass, scene
 from ..config.design import DesignConfig, Interval
+from ..config.messages import suggestion
 from ..config.study import Config
 from ..errors import ConfigError
 from ..modal.from_config import modes as structure_modes
 from ..modes import Modes
+from ..scene.materials import LIBRARY
 from ..scene.particles import sphere_volume
 from ..sweep.axes import Path, dotted, leaves, put, tree, tree_copy
 from ..sweep.cases import Cases
@@ -123,14 +125,14 @@ class Problem:
         if config.design is None:
             raise config.error("design", "missing: say what is wanted, under design")
         self.config, self.design = config, config.design
+        self._base = tree(config) | {"seeds": [1]}
+        self._modes: dict[tuple, tuple[np.ndarray, list[Modes]]] = {}
+        self._exact: dict[tuple, Modes] = {}
         varied = [path for axis in Cases(config).axes for path in axis.paths]
         if varied:
             raise config.error(varied[0], "takes one value in a design: make it one of design.variables")
         reader = Reader(config)
         self.variables = [self._variable(reader, key, rule) for key, rule in self.design.variables.items()]
-        self._base = tree(config) | {"seeds": [1]}
-        self._modes: dict[tuple, tuple[np.ndarray, list[Modes]]] = {}
-        self._exact: dict[tuple, Modes] = {}
         self._check_limits()
 
     @property
@@ -150,6 +152,8 @@ class Problem:
         if not isinstance(rule, Interval):
             if len(set(values)) < len(values):
                 raise self.config.error(place, "each choice once")
+            for value in values:
+                self._check_word(path, value, place)
             return Variable(path, tuple(values))
         low, high = values.from_, values.to
         if isinstance(low, str) or isinstance(high, str) or not low < high:
@@ -167,6 +171,19 @@ class Problem:
         count = int((high - low) / size * (1 + 1e-12)) + 1
         values = (low + k * size for k in range(count))
         return Variable(path, tuple(v if isinstance(v, int) else float(f"{v:.12g}") for v in values))
+
+    def _check_word(self, path: Path, value, place) -> None:
+        """Refuse a word, as of a material, with which the configuration cannot be."""
+        if not isinstance(value, str):
+            return
+        known = [*self.config.materials, *LIBRARY]
+        if path[-1] == "material" and value not in known:
+            raise self.config.error(place, f"there is no material '{value}'{suggestion(value, known)}")
+        try:
+            self.configured({path: value})
+        except ValidationError as error:
+            said = error.errors()[0]["msg"].removeprefix("Value error, ")
+            raise self.config.error(place, f"with {value}: {said}") from None
 
     def _step(self, reader: Reader, path: Path, step, place) -> float:
         value = reader.condition(dotted(path), [step], place)[1][0]
@@ -190,11 +207,11 @@ class Problem:
         return node
 
     def make(self, parts) -> Design | None:
-        """Design at parts (0 to 1) of the variables' ranges; None if it cannot be or exceeds a limit of its own."""
+        """Design at parts (0 to 1) of the variables' ranges; None if it cannot be, or exceeds the envelope."""
         return self.of({v.path: v.at(float(part)) for v, part in zip(self.variables, parts, strict=True)})
 
     def of(self, values: dict[Path, object]) -> Design | None:
-        """Design of values of the variables; None if it cannot be, or exceeds a limit."""
+        """Design of values of the variables; None if it cannot be, or exceeds the envelope."""
         try:
             config = self.configured(values)
         except ValidationError:
@@ -204,10 +221,12 @@ class Problem:
             return None
         if limits.height is not None and cavity.height > limits.height * (1 + 1e-9):
             return None
-        design = Design(values, config, particle_mass(config))
-        if limits.mass is not None and design.mass > limits.mass * (1 + 1e-9):
-            return None
-        return design
+        return Design(values, config, particle_mass(config))
+
+    def light_enough(self, design: Design) -> bool:
+        """Whether a design's particles weigh no more than is allowed."""
+        limit = self.design.limits.mass
+        return limit is None or design.mass <= limit * (1 + 1e-9)
 
     def configured(self, values: dict[Path, object]) -> Config:
         """Configuration with values of the variables, and without what asked for them.
@@ -233,7 +252,7 @@ class Problem:
         contact = changed["contact"]
         for name in ("restitution", "friction"):
             if contact.get("source") and f"{name}:" in contact["source"]:
-                contact[name] = None
+                del contact[name]
         contact["source"] = None
 
     def modes(self, design: Design) -> Modes:

@@ -122,7 +122,7 @@ def design(
         front(search.assessed),
         search.runners_up(verified.design),
         found,
-        len(search.rows),
+        search.cases,
     )
 
 

@@ -14,7 +14,7 @@ from .cases import Order, Report, Row, run_orders
 from .emulation import Emulation, emulate
 from .problem import Design, Problem
 
-SAMPLE = 1024
+SAMPLE = 512
 """Designs, of a low-discrepancy set, from which bounds and candidates are taken."""
 FULLEST = 0.97
 """Fill, over the packing fraction of a compacted bed, up to which designs are taken: beyond, nothing moves."""
@@ -52,24 +52,25 @@ class Search:
         self.problem, self.store, self.workers, self.report, self.say = problem, store, workers, report, say
         self.started = time.monotonic()
         self.rows: list[Row] = []
-        self.parts, self.sample = self._sample()
-        self.bounds: Bounds = find_bounds(problem, self.sample)
+        self.cases = 0
+        every = self._sample()
+        self.bounds: Bounds = find_bounds(problem, every)
+        self.sample = [design for design in every if problem.light_enough(design)]
         self.seeds: dict[tuple, int] = {}
         self.assessed: list[Assessment] = []
 
-    def _sample(self) -> tuple[np.ndarray, list[Design]]:
-        """Designs of a low-discrepancy set that can be, with their parts of the ranges."""
+    def _sample(self) -> list[Design]:
+        """Designs of a low-discrepancy set that can be."""
         from scipy.stats import qmc
 
         unit = qmc.Sobol(len(self.problem.variables), seed=np.random.default_rng(0)).random(SAMPLE)
-        found, parts, seen = [], [], set()
+        found, seen = [], set()
         for part in unit:
             design = self.problem.make(part)
             if design is not None and design.key not in seen and design.fill <= FULLEST * PACKING:
                 seen.add(design.key)
                 found.append(design)
-                parts.append(self._parts(design))
-        return np.array(parts), found
+        return found
 
     def _parts(self, design: Design) -> np.ndarray:
         return np.array([variable.part(design.values[variable.path]) for variable in self.problem.variables])
@@ -89,10 +90,15 @@ class Search:
         )
 
     def run(self, orders: list[Order]) -> list[Row]:
-        """Run cases, and keep them."""
-        found = run_orders(self.problem, orders, self.store, workers=self.workers, report=self.report)
+        """Run cases, and keep them for the emulator."""
+        found = self.run_apart(orders)
         self.rows += found
         return found
+
+    def run_apart(self, orders: list[Order]) -> list[Row]:
+        """Run cases that are not of the variables alone."""
+        self.cases += len(orders)
+        return run_orders(self.problem, orders, self.store, workers=self.workers, report=self.report)
 
     def start(self) -> None:
         """Run the first designs."""
@@ -123,9 +129,9 @@ class Search:
         """Assess the sample and candidates near its best; returns the emulator."""
         emulation = emulate(self.problem, self.rows)
         allowed = [d for d in self.sample if d.mass >= self.bounds.least_mass]
-        first = self._allowed([assess(emulation, design, self.masses) for design in allowed])
+        first = self._allowed(assess(emulation, allowed, self.masses))
         near = self._near(sorted(first, key=self._rank)[:KEPT], {d.key for d in self.sample})
-        second = self._allowed([assess(emulation, design, self.masses) for design in near])
+        second = self._allowed(assess(emulation, near, self.masses))
         self.sample += near
         self.assessed = sorted([*first, *second], key=self._rank)
         return emulation
@@ -144,7 +150,7 @@ class Search:
                 design = self.problem.make(part)
                 if design and design.key not in seen and design.fill <= FULLEST * PACKING:
                     seen.add(design.key)
-                    if design.mass >= self.bounds.least_mass:
+                    if design.mass >= self.bounds.least_mass and self.problem.light_enough(design):
                         found.append(design)
         return found
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from ..config.study import Config
 from ..errors import ConfigError
@@ -17,7 +18,7 @@ from .problem import Design
 from .search import Search
 from .verify import FRESH, Verified
 
-SAMPLES = 12
+SAMPLES = 8
 """Designs about the one claimed that are simulated."""
 DRIVES = 3
 SURFACE, SIZE = 0.2, 0.01
@@ -110,7 +111,7 @@ def sensitivity(search: Search, verified: Verified) -> Sensitivity:
             continue
         orders += [Order(varied, int(finer.mode[i]), float(finer.gamma[i]), FRESH + 500 + k) for i in where]
         offsets += [part] * len(where)
-    rows = search.run(orders)
+    rows = search.run_apart(orders)
     own = [row for row in search.rows if row.order.design.key == design.key]
     middle = np.array([_part(value, low, high) for value, low, high in spans.values()])
     every = [*zip(own, [middle] * len(own), strict=True), *zip(rows, offsets, strict=True)]
@@ -149,14 +150,13 @@ def _judged(search: Search, verified: Verified, spans: dict, known: list[tuple[R
     def probability(parts: np.ndarray) -> float:
         """Probability that the target is met, over parts (k, d) of the ranges."""
         drives = np.column_stack([np.log(finer.frequency), np.log(finer.gamma)])
-        draws = []
-        for part in parts:
-            at = np.column_stack([drives, np.tile(part, (len(drives), 1))])[:, kept]
-            mean, covariance = process.joint(at)
-            value, vector = np.linalg.eigh(covariance)
-            normal = rng.standard_normal(len(mean))
-            draws.append(np.exp(mean + vector @ (np.sqrt(np.maximum(value, 0)) * normal)))
-        return judged(search.problem, verified.design, finer, np.array(draws)).probability
+        at = [np.column_stack([drives, np.tile(part, (len(drives), 1))])[:, kept] for part in parts]
+        with threadpool_limits(1):
+            mean, covariance = process.joints(np.array(at))
+        value, vector = np.linalg.eigh(covariance)
+        normal = rng.standard_normal(mean.shape)
+        draws = np.exp(mean + np.einsum("kmn,kn->km", vector, np.sqrt(np.maximum(value, 0)) * normal))
+        return judged(search.problem, verified.design, finer, draws).probability
 
     everywhere = probability(rng.random((DRAWS, len(spans))))
     confidence = search.problem.design.confidence

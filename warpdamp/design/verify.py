@@ -14,7 +14,7 @@ from .search import Search
 
 FRESH = 1001
 """First seed of packings that no search uses."""
-PACKINGS = 12
+PACKINGS = 8
 GAMMAS = 5
 DRAWS = 4000
 
@@ -80,8 +80,8 @@ def verdict(search: Search, design: Design, drives: Drives, rows: list[Row], emu
     step = np.nanmean([row.step_error for row in rows])
     effectiveness = effectiveness[np.isfinite(effectiveness).all(axis=1)]
     finer = drives_of(search.problem, design, search.masses)
-    mean, covariance = emulation.log_effectiveness(design, finer.frequency, finer.gamma)
-    least = judged(search.problem, design, finer, drawn(mean, covariance, DRAWS, 1))
+    emulated = emulation.log_effectiveness([design], [finer.frequency], [finer.gamma])
+    least = judged(search.problem, design, finer, drawn(*emulated, DRAWS, 1)[0])
     n = len(effectiveness)
     if n < 3:
         nothing = np.full(len(drives.gamma), np.nan)

@@ -98,11 +98,19 @@ class Process:
 
     def joint(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Mean (m,) and covariance (m, m) of f at points (m, d)."""
+        mean, covariance = self.joints(x[None])
+        return mean[0], covariance[0]
+
+    def joints(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Means (k, m) and covariances (k, m, m) of f at sets of points (k, m, d), each set for itself."""
         from scipy.linalg import solve_triangular
 
-        across = self.kernel(x, self.x)
-        half = solve_triangular(self._factor[0], across.T, lower=True)
-        return self.mean + across @ self._weights, self.kernel(x, x) - half.T @ half
+        sets, size, axes = x.shape
+        across = self.kernel(x.reshape(-1, axes), self.x)
+        half = solve_triangular(self._factor[0], across.T, lower=True).reshape(-1, sets, size)
+        own = np.array([self.kernel(one, one) for one in x])
+        mean = self.mean + (across @ self._weights).reshape(sets, size)
+        return mean, own - np.einsum("nki,nkj->kij", half, half, optimize=True)
 
     def left_out(self, groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Mean and standard deviation of each y as predicted without its group, each (n,); noise included.

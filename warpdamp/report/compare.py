@@ -31,8 +31,8 @@ def comparison_lines(residuals: xr.Dataset) -> list[str]:
         difference = residuals[name] - residuals[f"predicted_{name}"]
         relative = float((difference / residuals[f"predicted_{name}"]).mean())
         found.append(
-            f"{title}: {len(z)} points, {100 * relative:+.2g} % from the prediction on average; residuals over joint errors: "
-            f"mean {z.mean():+.2g}, root mean square {np.sqrt(np.mean(z**2)):.2g}; "
+            f"{title}: {len(z)} points, {100 * relative:+.2g} % from the prediction on average; "
+            f"residuals over joint errors: mean {z.mean():+.2g}, root mean square {np.sqrt(np.mean(z**2)):.2g}; "
             f"{np.mean(np.abs(z) <= 1.96):.0%} within the joint 95 % interval"
             + (f"; {outside} outside" if outside else "")
         )
