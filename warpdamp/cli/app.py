@@ -6,7 +6,6 @@ import json
 import os
 import sys
 import time
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -14,9 +13,10 @@ import typer
 
 from ..errors import UsageError
 from ..version import PHYSICS_VERSION, __version__
+from . import design as cli_design
 from . import look as cli_look
 from . import structure as cli_structure
-from .common import ConfigArgument, one_line_errors, picture_file, progress, writable
+from .common import ConfigArgument, one_line_errors, picture_file, progress, stoppable, writable
 
 EXECUTORS = ("processes", "in-process", "dask")
 
@@ -80,7 +80,7 @@ def run(
         writable(output)
         started = time.perf_counter()
         options = {"quick": quick, "workers": workers, "executor": executor, "limit": limit}
-        with _stoppable(store), progress() as report:
+        with stoppable(store), progress() as report:
             if share:
                 study.carry_out(checked, store, part=share, report=report, **options)
                 print(f"part {part} is done; warpdamp collect {store} puts all parts together")
@@ -109,28 +109,6 @@ def _part(text: str | None) -> tuple[int, int] | None:
     if not (k.isdigit() and n.isdigit() and 1 <= int(k) <= int(n)):
         raise typer.BadParameter(f"'{text}' is not a part: write as 17/200", param_hint="--part")
     return int(k), int(n)
-
-
-@contextmanager
-def _stoppable(store: Path):
-    """Context in which Ctrl-C or SIGTERM stops a run and says how to continue it."""
-    import signal
-
-    def stop(*_):
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, stop)
-    try:
-        yield
-    except KeyboardInterrupt:
-        print(
-            f"\nwarpdamp: stopped; every finished batch is stored in {store}: the same command continues from there, "
-            f"warpdamp status {store} says how far it is",
-            file=sys.stderr,
-        )
-        raise typer.Exit(130) from None
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 FolderArgument = Annotated[Path, typer.Argument(help="Folder of a run.", metavar="DIR")]
@@ -266,8 +244,8 @@ def info() -> None:
             print(f"  {name:<12} {text}")
 
 
-app.registered_commands += cli_look.app.registered_commands
-app.registered_commands += cli_structure.app.registered_commands
+for part in (cli_look, cli_structure, cli_design):
+    app.registered_commands += part.app.registered_commands
 
 
 def main() -> None:

@@ -27,7 +27,11 @@ def between(key: str) -> tuple[str, str]:
 
 
 class MaterialConfig(Model):
-    """Isotropic elastic material."""
+    """Isotropic elastic material.
+
+    ``library`` names the one of the library (``warpdamp materials``) that stands for what is left out here; ``source``
+    says where values are from.
+    """
 
     density: _swept(Density, _positive)
     """Mass over volume."""
@@ -35,6 +39,14 @@ class MaterialConfig(Model):
     """Young's modulus; the softer a material, the longer the steps."""
     poissons_ratio: _swept(Number, Field(gt=-1, lt=0.5))
     """Poisson's ratio."""
+    library: str | None = None
+    """Name in the library (``warpdamp materials``) of what stands for the values left out."""
+    source: str | None = None
+    """Where the values are from."""
+
+    def elastic(self) -> dict[str, Any]:
+        """Density, Young's modulus and Poisson's ratio by name."""
+        return self.model_dump(exclude={"library", "source"})
 
 
 class SurfaceConfig(Model):
@@ -51,13 +63,16 @@ class SurfaceConfig(Model):
 class ContactConfig(SurfaceConfig):
     """Contact of particles with each other and, unless ``walls`` says otherwise, with the walls.
 
-    ``pairs`` has the surfaces of a mixture that differ, as ``steel with pmma`` and ``steel with walls``.
+    ``pairs`` has the surfaces of a mixture that differ, as ``steel with pmma`` and ``steel with walls``.  What the
+    library knows of the particles' material on itself may be left out; ``source`` then says where it is from.
     """
 
     walls: SurfaceConfig | None = None
     """Surface of the particles with the walls, where it differs from that between particles."""
     pairs: dict[Annotated[str, Field(pattern=r"^\S+ with \S+$")], SurfaceConfig] = Field({})
     """Surfaces of pairs of materials that differ, by ``A with B`` or ``A with walls``."""
+    source: str | None = None
+    """Where the values are from."""
 
 
 class EnclosureConfig(Model):
