@@ -140,6 +140,7 @@ class Config(Model):
         if len(set(self.seeds)) < len(self.seeds):
             raise ValueError("seeds: each seed once")
         self._check_dampers()
+        self._check_rotation()
         grains = [p.material for damper in (self.damper, *self.dampers) for p in damper.mixture]
         for key in self.contact.pairs:
             for name in between(key):
@@ -156,6 +157,11 @@ class Config(Model):
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
             raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
         return self
+
+    def _check_rotation(self):
+        """Spheroids turn: without it their contacts would do work that no energy knows of."""
+        if self.effects.rotation is False and any(damper.spheroids for damper in (self.damper, *self.dampers)):
+            raise ValueError("effects.rotation: spheroids turn whatever they touch: leave it out, or take spheres")
 
     def _check_dampers(self):
         """Several dampers sit on one structure, and are shaken at its modes as hard as each one's place moves."""
