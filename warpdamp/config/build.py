@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..numerics.timestep import Numerics
 from ..scene.particles import Grains
 from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
 from .damper import WALLS
@@ -65,6 +66,12 @@ def bed(config: Config) -> dict:
     if asked := state_asked(config.preparation):
         return {"preparation": "compacted", **asked}
     return {"preparation": "loose" if carried_path(config.preparation) else config.preparation}
+
+
+def numerics_of(config: Config) -> Numerics:
+    """Numerical choices of a configuration without lists."""
+    own = config.numerics
+    return Numerics(own.precision, own.steps_per_contact, config.effects.forced(), own.device)
 
 
 def drive(config: Config, frequency: float, gamma: float) -> Drive:

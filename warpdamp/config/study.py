@@ -15,6 +15,7 @@ from pydantic import (
 
 from ..errors import ConfigError, printable
 from ..numerics.tolerance import FEWEST_PACKINGS
+from ..scene.effects import Device
 from .base import POSITIVE as _positive
 from .base import Model
 from .coupled import CoupledConfig
@@ -61,8 +62,9 @@ class AccuracyConfig(Model):
 
 
 class NumericsConfig(Model):
-    """Precision and step of the motion."""
+    """Precision and step of the motion, and the device that computes it."""
 
+    device: Device = "cpu"
     precision: Literal["float64", "float32"] = "float64"
     steps_per_contact: Annotated[Number, Field(ge=10)] = 24.0
     step: Literal["auto"] | Annotated[Time, _positive] = "auto"

@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..engine.device import check_device
 from ..errors import PackingError
 from ..files import cache_folder, keep, locked
 from ..scene.effects import Effects
@@ -53,6 +54,7 @@ def prepare(request: Request) -> Packing:
     >>> round(1e3 * bed.clearance, 1)  # one layer: the height less a diameter, 40 - 7.46 [mm]
     32.5
     """
+    check_device(request.numerics.device)
     path = cache_folder("beds") / f"{request.key()}.npz"
     if (stored := _stored(path)) is not None:
         return stored
