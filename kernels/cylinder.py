@@ -87,7 +87,7 @@ def wall_contacts(effects, count: int):
             lost = Losses()
             if wp.static(effects.history):
                 lost = parted(law, old)
-        f, torque = wall_loads(touch, wall, law, f, rolling)
+        f, torque = wall_loads(touch, law, f, rolling)
         return f, torque, with_place(history, touch), lost, touch.overlap * touch.curvature
 
     @wp.func

@@ -56,7 +56,7 @@ def lanes(effects, count: int):
     vectors = [name for name in History.vars if name != "radius"]
     Fields = wp.types.vector(1 + 3 * len(vectors), t.real)
     first = {name: wp.constant(1 + 3 * k) for k, name in enumerate(vectors)}  # places of the vectors in Fields
-    STRETCH, ROLL = (first.get(name) for name in ("stretch", "roll"))
+    STRETCH, ROLL, NORMAL, ARM = (first.get(name) for name in ("stretch", "roll", "normal", "arm"))
 
     @wp.func
     def to_fields(history: History):
@@ -68,6 +68,9 @@ def lanes(effects, count: int):
                 fields[STRETCH + x] = history.stretch[x]
             if wp.static("roll" in vectors):
                 fields[ROLL + x] = history.roll[x]
+            if wp.static("normal" in vectors):
+                fields[NORMAL + x] = history.normal[x]
+                fields[ARM + x] = history.arm[x]
         return fields
 
     @wp.func
@@ -79,6 +82,9 @@ def lanes(effects, count: int):
             history.stretch = vec3(fields[STRETCH], fields[STRETCH + 1], fields[STRETCH + 2])
         if wp.static("roll" in vectors):
             history.roll = vec3(fields[ROLL], fields[ROLL + 1], fields[ROLL + 2])
+        if wp.static("normal" in vectors):
+            history.normal = vec3(fields[NORMAL], fields[NORMAL + 1], fields[NORMAL + 2])
+            history.arm = vec3(fields[ARM], fields[ARM + 1], fields[ARM + 2])
         return history
 
     return SimpleNamespace(

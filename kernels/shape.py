@@ -21,9 +21,10 @@ Another shape is another file that answers all of this.
 import functools
 
 from .spheres import spheres
+from .spheroids import spheroids
 
 
 @functools.cache
 def shape(effects):
     """Return the geometry and the rotation of the particles for the given effects."""
-    return spheres(effects)
+    return spheroids(effects) if effects.spheroids else spheres(effects)

@@ -179,7 +179,7 @@ def spheres(effects):
         return motion
 
     @wp.func
-    def wall_loads(touch: Touch, _wall: int, _law: Law, f: vec3, rolling: vec3):
+    def wall_loads(touch: Touch, _law: Law, f: vec3, rolling: vec3):
         """Force and torque on a particle of its contact's force and rolling force."""
         return f, touch.arm_i * wp.cross(f, touch.normal) + touch.radius * wp.cross(touch.normal, rolling)
 

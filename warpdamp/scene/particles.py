@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from .shape import bounding_radius, semi_axes
+from .shape import bounding_radius, semi_axes, spheroid_inertia
 
 
 @dataclass(frozen=True)
@@ -157,6 +157,36 @@ class State:
     def semi_axes(self) -> tuple[np.ndarray, np.ndarray]:
         """Semi-axes along and across each particle's axis, two of (n,) [m]."""
         return semi_axes(self.radius, self.aspect)
+
+    def constants(self, mass: np.ndarray) -> dict[str, np.ndarray]:
+        """Constants of the particles, and their angular momentum, by their names in ``kernels.structs.Particle``.
+
+        Parameters
+        ----------
+        mass : (n,) array
+            [kg].
+
+        Returns
+        -------
+        dict of (n,) arrays
+            ``inverse_mass`` [1/kg]; of spheres ``inverse_inertia`` [1/(kg m^2)]; of spheroids ``across2`` b^2,
+            ``excess`` a^2 - b^2 [m^2], ``reach`` max(a, b), ``tilt`` |a - b| [m], ``inverse_transverse`` 1 / I_t,
+            ``inverse_axial`` 1 / I_a [1/(kg m^2)], and ``half_momentum`` (n, 3) [kg m^2/s].
+        """
+        a, b = self.semi_axes
+        transverse, axial = spheroid_inertia(mass, self.radius, self.aspect)
+        along = np.sum(self.spin * self.axis, axis=1)
+        return {
+            "inverse_mass": 1 / mass,
+            "inverse_inertia": inverse_sphere_inertia(mass, self.radius),
+            "across2": b**2,
+            "excess": a**2 - b**2,
+            "reach": np.maximum(a, b),
+            "tilt": np.abs(a - b),
+            "inverse_transverse": 1 / transverse,
+            "inverse_axial": 1 / axial,
+            "half_momentum": transverse[:, None] * self.spin + ((axial - transverse) * along)[:, None] * self.axis,
+        }
 
     def volume(self) -> float:
         """Volume of all particles together [m^3]."""
