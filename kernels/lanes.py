@@ -24,13 +24,13 @@ from .options import LANES
 from .structs import types
 
 
-def lanes_for(effects, device: str) -> int:
+def lanes_for(effects) -> int:
     """How many contacts are computed side by side.
 
     One where vectors do not pay: threads of other devices are lanes themselves, and three floats of single precision
     are returned as one vector, which the compiler does not widen.
     """
-    return LANES if effects.precision == "float64" and device == "cpu" else 1
+    return LANES if effects.precision == "float64" and effects.device == "cpu" else 1
 
 
 @wp.func

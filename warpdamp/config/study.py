@@ -15,6 +15,7 @@ from pydantic import (
 
 from ..errors import ConfigError, printable
 from ..numerics.tolerance import FEWEST_PACKINGS
+from ..scene.effects import Device
 from .base import POSITIVE as _positive
 from .base import Model
 from .coupled import CoupledConfig
@@ -61,8 +62,9 @@ class AccuracyConfig(Model):
 
 
 class NumericsConfig(Model):
-    """Precision and step of the motion."""
+    """Precision and step of the motion, and the device that computes it."""
 
+    device: Device = "cpu"
     precision: Literal["float64", "float32"] = "float64"
     steps_per_contact: Annotated[Number, Field(ge=10)] = 24.0
     step: Literal["auto"] | Annotated[Time, _positive] = "auto"
@@ -140,6 +142,7 @@ class Config(Model):
         if len(set(self.seeds)) < len(self.seeds):
             raise ValueError("seeds: each seed once")
         self._check_dampers()
+        self._check_rotation()
         grains = [p.material for damper in (self.damper, *self.dampers) for p in damper.mixture]
         for key in self.contact.pairs:
             for name in between(key):
@@ -156,6 +159,11 @@ class Config(Model):
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
             raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
         return self
+
+    def _check_rotation(self):
+        """Spheroids turn: without it their contacts would do work that no energy knows of."""
+        if self.effects.rotation is False and any(damper.spheroids for damper in (self.damper, *self.dampers)):
+            raise ValueError("effects.rotation: spheroids turn whatever they touch: leave it out, or take spheres")
 
     def _check_dampers(self):
         """Several dampers sit on one structure, and are shaken at its modes as hard as each one's place moves."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..config.build import bed, grains, particle_mass, scene
+from ..config.build import bed, grains, numerics_of, particle_mass, scene
 from ..config.preparation import carried_path
 from ..damper.case import Request
 from ..damper.preparation import prepare
@@ -19,7 +19,7 @@ from ..engine import checks as guards
 from ..errors import PackingError, SimulationError
 from ..kernels.columns import KernelStatus
 from ..modal.from_config import modes as modes_of
-from ..numerics.timestep import Numerics, contact_step
+from ..numerics.timestep import contact_step
 from ..scene.host import Signal
 from ..scene.scene import Drive, Scene
 from ..sweep.cases import Cases
@@ -141,7 +141,7 @@ def _runs(config: Config) -> tuple[dict[tuple[int, int], Run], list[Signal | Non
     ]
     fastest = max(excitation.largest_speed(host, modes, particles, own.duration) for host in hosts)
     reference = excitation.reference(own, modes)
-    numerics = Numerics(config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced())
+    numerics = numerics_of(config)
     drive = Drive(reference, 2 * math.pi * reference * fastest)
     longest = contact_step(base.driven(drive), beds, steps_per_contact=numerics.steps_per_contact)
     dt, between = _step(reference, excitation.content(own, signals[0]), longest)

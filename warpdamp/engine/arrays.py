@@ -13,7 +13,6 @@ import warp as wp
 
 from ..kernels.structs import WALLS
 from ..scene.particles import ContactHistory, State
-from .device import DEVICE
 
 FEWEST_ORDERED = 1000
 """Smaller beds lie in the processor's cache however they are numbered, and keep their own order."""
@@ -45,7 +44,7 @@ class Transfer:
     device : where the arrays lie
     """
 
-    def __init__(self, types, states: list[State], device: str = DEVICE):
+    def __init__(self, types, states: list[State], device: str):
         self.types = types
         self.device = device
         self.states = states

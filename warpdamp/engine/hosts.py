@@ -8,7 +8,6 @@ import numpy as np
 import warp as wp
 
 from ..scene.host import HostStructure
-from .device import DEVICE
 
 AT_REST = {"excitation": 0.0, "base_moves": 0, "samples": 0}
 
@@ -55,7 +54,7 @@ class HostStructures:
             "records": most_records if host.record else 0,
         }
 
-    def on_device(self, types, device: str = DEVICE):
+    def on_device(self, types, device: str):
         """Struct of the host structures of all cases on the device."""
         host = types.HostStructure()
         host.count = len(self.modes)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene.contact import impact_time, strongest_dashpot
-from ..scene.effects import Effects, Precision, called_for
+from ..scene.effects import Device, Effects, Precision, called_for
 from ..scene.particles import State, sphere_volume
 from ..scene.scene import Scene
 
@@ -35,15 +35,17 @@ class Numerics:
     precision : of the motion
     steps_per_contact : steps to the shortest contact expected
     forced : effects forced on or off, as sorted pairs (name, whether)
+    device : "cpu" or "cuda"; its round-off is its own, so beds and cases of one are not taken for those of the other
     """
 
     precision: Precision = "float64"
     steps_per_contact: float = STEPS_PER_CONTACT
     forced: tuple[tuple[str, bool], ...] = ()
+    device: Device = "cpu"
 
     def effects(self, scene: Scene, grains) -> Effects:
         """Effects that the scene requires, with those that are forced."""
-        return called_for(scene, grains, precision=self.precision).forced(dict(self.forced))
+        return called_for(scene, grains, precision=self.precision, device=self.device).forced(dict(self.forced))
 
 
 def expected_speed(scene: Scene, radius) -> float:

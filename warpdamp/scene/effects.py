@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 Precision = Literal["float64", "float32"]
+Device = Literal["cpu", "cuda"]
 
 WALLS = ("side", "floor", "lid")
 
@@ -138,7 +139,7 @@ EFFECTS = {
     "guards": Effect(_always, in_memory=False),
     "structure": Effect(_structure, usual=False),
 }
-"""Effects by name, in the order of the fields of ``Effects``; ``precision`` is not among them."""
+"""Effects by name, in the order of the fields of ``Effects``; ``precision`` and ``device`` are not among them."""
 
 NOT_MODELLED = (
     "the structure's answer to the damper (the enclosure's motion is prescribed)",
@@ -188,9 +189,12 @@ class Effects(_Switches):
         Whether the enclosure is fixed to a structure that answers, instead of moving as prescribed.
     precision : "float64" or "float32"
         Of the motion; the ledger is always float64.
+    device : "cpu" or "cuda"
+        What the kernels run on.
     """
 
     precision: Precision = "float64"
+    device: Device = "cpu"
 
     def __post_init__(self):
         if self.spheroids:
@@ -220,9 +224,9 @@ class Effects(_Switches):
 
     @property
     def in_memory(self) -> Effects:
-        """The effects that the structs on the device depend on: all others on, any wall for all three."""
+        """The effects that the structs depend on: all others on, any wall for all three, whatever the device."""
         others = [name for name, effect in EFFECTS.items() if not effect.in_memory]
-        return replace(self, **{name: self.enclosure if name in WALLS else True for name in others})
+        return replace(self, device="cpu", **{name: self.enclosure if name in WALLS else True for name in others})
 
     def forced(self, choices: dict[str, bool]) -> Effects:
         """Effects with some of them forced on or off.
@@ -253,7 +257,7 @@ class Effects(_Switches):
         return replace(effects, **dict.fromkeys(lacking, False))
 
 
-def called_for(scene: Scene, grains, *, precision: Precision = "float64") -> Effects:
+def called_for(scene: Scene, grains, *, precision: Precision = "float64", device: Device = "cpu") -> Effects:
     """Effects that a scene requires, and no others.
 
     Parameters
@@ -261,12 +265,14 @@ def called_for(scene: Scene, grains, *, precision: Precision = "float64") -> Eff
     scene : Scene
     grains : State, Grains, or anything with ``radius`` and ``species``
     precision : "float64" or "float32"
+    device : "cpu" or "cuda"
 
     Returns
     -------
     Effects
     """
-    return Effects(**{name: effect.called_for(scene, grains) for name, effect in EFFECTS.items()}, precision=precision)
+    on = {name: effect.called_for(scene, grains) for name, effect in EFFECTS.items()}
+    return Effects(**on, precision=precision, device=device)
 
 
 def covering(choices: list[Effects]) -> Effects:
@@ -283,8 +289,8 @@ def covering(choices: list[Effects]) -> Effects:
     Raises
     ------
     ValueError
-        If the precisions differ.
+        If the precisions or the devices differ.
     """
-    if len({effects.precision for effects in choices}) > 1:
-        raise ValueError("the cases of a batch must all have one precision")
+    if len({(effects.precision, effects.device) for effects in choices}) > 1:
+        raise ValueError("the cases of a batch must all have one precision and one device")
     return replace(choices[0], **{name: any(getattr(effects, name) for effects in choices) for name in EFFECTS})

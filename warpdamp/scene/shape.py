@@ -156,7 +156,8 @@ def two_ends_at_the_side(radius, aspect, side: float) -> str:
     str
     """
     radius, aspect = np.broadcast_arrays(np.asarray(radius, float), np.asarray(aspect, float))
-    flattest = np.where(aspect == 1, 0.0, flattest_radius(radius, aspect))
+    with np.errstate(over="ignore"):  # whatever aspect a user writes
+        flattest = np.where(aspect == 1, 0.0, flattest_radius(radius, aspect))
     k = int(np.argmax(flattest))
     if flattest[k] < side:
         return ""
