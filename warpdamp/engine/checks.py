@@ -14,7 +14,7 @@ from ..scene.touch import pair_overlaps, wall_overlaps
 from .ledger import Ledger
 
 DEEPEST_START = 0.05
-"""Largest overlap of a given state, over the smallest radius or semi-axis: more would be released as energy from nowhere."""
+"""Largest overlap of a given state, over the smaller semi-axis: more would be released as energy from nowhere."""
 
 DEEPEST = 0.1
 """Largest overlap over the reduced radius: at a = 0.3 R* Hertz's theory ends."""
