@@ -4,8 +4,8 @@ With K the sum of both surfaces' curvature matrices in the plane of contact, exa
 
     R* = S(Y) / sqrt(det K),   Y = tr K / (2 sqrt(det K)),   S = 1 + (Y - 1) / (3 + 0.29 (Y - 1)),
 
-S for the elliptic integrals (F2^-3 in Johnson, Contact Mechanics, 1985, section 4.2): the force is right to 0.013 % up to
-curvatures in the ratio 6.25, to 0.07 % up to 16, to 0.6 % up to 40.
+S for the elliptic integrals (F2^-3 in Johnson, Contact Mechanics, 1985, section 4.2): the force is right to 0.013 % up
+to curvatures in the ratio 6.25, to 0.07 % up to 16, to 0.6 % up to 40.
 
 R* depends on the axes and the normal, so the energy U = 8/15 E* sqrt(R*) d^2.5 does besides on the overlap d, and the
 forces are its gradient in full: F = dU/dd along the normal, and (U / 2) d(ln R*) for the rest, which is of the order of

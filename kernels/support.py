@@ -67,7 +67,7 @@ def support(effects):
 
     @wp.func
     def bent(pose: Pose, f: Facing):
-        """W_i + W_j + g P = flat + beta_i p p^T + beta_j q q^T: its numbers, its determinant and its trace less flat."""
+        """Numbers of W_i + W_j + g P = flat P + beta_i p p^T + beta_j q q^T; ``whole`` is its trace less flat."""
         w = Bent()
         w.pp = real(1.0) - f.cosine_i * f.cosine_i
         w.qq = real(1.0) - f.cosine_j * f.cosine_j
@@ -118,7 +118,7 @@ def support(effects):
     def closest(pose: Pose, margin: real):
         """The two along their common normal, from the first guess; or along any n with a gap above ``margin``."""
         f = facing(pose, first_guess(pose))
-        k = int(0)
+        k = wp.int32(0)
         while k < MOST and f.gap <= margin:
             scaled, determinant = step(pose, f)
             size2 = wp.dot(scaled, scaled)
@@ -145,10 +145,11 @@ def support(effects):
 
     @wp.func
     def outward_step(x: vec3, axis: vec3, across2: real, excess: real, out: vec3):
-        """Farthest from the z axis: slope, and distance less the shadow's radius of curvature, along horizontal ``out``.
+        """Distance from the z axis along the horizontal unit vector ``out``, and its derivatives.
 
-        The distance f(out) = out.x + h(out) of the spheroid's shadow has the slope z = t.x + e c (u.t) / h along
-        t = z x out and the second derivative rho - f, rho = (b^2 / h) (1 + e (u.t)^2 / h^2).  Returns f, z and f - rho.
+        The distance f(out) = out.x + h(out) of the spheroid's shadow has the slope z = t.x + e c (u.t) / h, t across
+        ``out``, and the second derivative rho - f, rho = (b^2 / h) (1 + e (u.t)^2 / h^2) the shadow's radius of
+        curvature.  Returns f, z and f - rho.
         """
         sideways = out[0] * axis[1] - out[1] * axis[0]
         cosine = out[0] * axis[0] + out[1] * axis[1]
@@ -174,7 +175,7 @@ def support(effects):
         flattest = reach * reach / wp.sqrt(wp.min(across2, across2 + excess))
         distance, slope, stiffness = outward_step(x, axis, across2, excess, out)
         room = (distance - flattest) * (case.radius - distance)
-        k = int(0)
+        k = wp.int32(0)
         if distance < case.radius and distance > flattest and real(0.5) * slope * slope < room:
             k = MOST
         while k < MOST:

@@ -71,9 +71,7 @@ def tops(effects):
         momentum = p[i].half_momentum
         along = wp.dot(momentum, p[i].axis)
         transverse = p[i].inverse_transverse
-        return real(0.5) * (
-            transverse * wp.dot(momentum, momentum) + (p[i].inverse_axial - transverse) * along * along
-        )
+        return real(0.5) * (transverse * wp.dot(momentum, momentum) + (p[i].inverse_axial - transverse) * along * along)
 
     @wp.func
     def pace2(_case: Case, p: wp.array(dtype=Particle), i: int, velocity: vec3):

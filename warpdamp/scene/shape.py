@@ -114,6 +114,37 @@ def flattest_radius(radius, aspect) -> np.ndarray:
     return np.maximum(a, b) ** 2 / np.minimum(a, b)
 
 
+def shortest_contact_share(aspect: float) -> float:
+    """Shortest contact time of a spheroid over that of the sphere of its volume, at one speed [-].
+
+    A contact of mass m and radius R takes m^(2/5) R^(-1/5); off the axis and at the flat sides both tell, so the
+    smallest over all tilts against a plane is looked for.  Two spheroids give the same to 0.1 %.
+
+    Parameters
+    ----------
+    aspect : float
+        [-].
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> from warpdamp.scene.shape import shortest_contact_share
+    >>> [round(shortest_contact_share(aspect), 2) for aspect in (0.5, 0.7, 1.0, 1.4, 2.0, 2.5)]
+    [0.71, 0.87, 1.0, 0.92, 0.77, 0.7]
+    """
+    a, b = semi_axes(1.0, aspect)
+    cosine = np.linspace(0, 1, 201)
+    height = np.sqrt(b**2 + (a**2 - b**2) * cosine**2)
+    beyond = (height / a + a / height) / 2 - 1
+    radius = (1 + beyond / (3 + 0.29 * beyond)) * a * b**2 / height**2  # as in ``kernels/elliptic.py``
+    lever2 = ((a**2 - b**2) * cosine / height) ** 2 * (1 - cosine**2)
+    mass = 1 / (1 + 5 * lever2 / (a**2 + b**2))
+    return float(np.min(mass**0.4 / radius**0.2))
+
+
 def allowed_aspects(radius: float, side: float) -> tuple[float, float]:
     """Aspects between which a spheroid touches the inside of a cylinder in one place at the most [-].
 

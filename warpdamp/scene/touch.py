@@ -228,6 +228,8 @@ def pair_overlaps(state: State, pairs: np.ndarray) -> np.ndarray:
     pairs : (m, 2) array of ints
     """
     i, j = np.asarray(pairs).reshape(-1, 2).T
+    if np.all(state.aspect == 1):
+        return state.radius[i] + state.radius[j] - np.linalg.norm(state.position[i] - state.position[j], axis=1)
     spheroids = spheroids_of(state)
     return -common_normal(state.position[i] - state.position[j], spheroids[i], spheroids[j])[1]
 
