@@ -90,7 +90,8 @@ def _pairs(x, spheroids: Spheroids, force, torque) -> float:
     pairs = cKDTree(x).query_pairs(2 * spheroids.bound.max(), output_type="ndarray")
     if not len(pairs):
         return 0.0
-    i, j = pairs.T
+    near = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1) < spheroids.bound[pairs].sum(axis=1)
+    i, j = pairs[near].T
     normal, gap = common_normal(x[i] - x[j], spheroids[i], spheroids[j], to_the_end=False)
     meet = gap < 0
     if not meet.any():
