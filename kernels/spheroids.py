@@ -45,7 +45,7 @@ def spheroids(effects):
     _, _, elastic_energy, _ = contact_law(effects)
     g = support(effects)
     height, separation, bent, closest, refined = g.height, g.separation, g.bent, g.closest, g.refined
-    outward_step, outward_stepped, outermost = g.outward_step, g.outward_stepped, g.outermost
+    outward_step, outward_stepped, outermost, is_clear = g.outward_step, g.outward_stepped, g.outermost, g.is_clear
     e = elliptic(effects)
     pair_radius, pair_gradient, wall_radius = e.pair_radius, e.pair_gradient, e.wall_radius
     rotation = tops(effects)
@@ -183,11 +183,16 @@ def spheroids(effects):
         near = wp.where(c.wall[place].radius > real(0.0), 1, 0)
         x = p[i].position
         if wall == SIDE:
-            clear = case.radius - p[i].reach
-            if near == 0 and x[0] * x[0] + x[1] * x[1] > clear * clear:
-                distance, out = outermost(case, x, p[i].axis, p[i].across2, p[i].excess, p[i].reach)
-                c.wall[place].normal = -out
-                near = wp.where(distance > case.radius, 1, 0)
+            room = case.radius - p[i].reach
+            if near == 0 and x[0] * x[0] + x[1] * x[1] > room * room:
+                flattest = p[i].flattest
+                out = -c.wall[place].normal
+                distance, slope, _stiffness = outward_step(x, p[i].axis, p[i].across2, p[i].excess, out)
+                known = wp.dot(out, out) > real(0.5)  # at the start it is not
+                if not (known and is_clear(case, distance, slope, flattest)):
+                    distance, out = outermost(case, x, p[i].axis, p[i].across2, p[i].excess, flattest)
+                    c.wall[place].normal = -out
+                    near = wp.where(distance > case.radius, 1, 0)
         else:
             rise = wp.where(wall == FLOOR, x[2], case.height - x[2])
             touches = rise * wp.abs(rise) < p[i].across2 + p[i].excess * p[i].axis[2] * p[i].axis[2]
@@ -201,10 +206,8 @@ def spheroids(effects):
         """Where a particle with its centre at ``x`` meets a wall; its farthest point is near minus ``side_normal``."""
         across2 = p[i].across2
         excess = p[i].excess
-        out = -side_normal
-        for _again in range(2):
-            _distance, slope, steepness = outward_step(x, axis, across2, excess, out)
-            out = outward_stepped(out, slope, steepness)
+        _distance, slope, steepness = outward_step(x, axis, across2, excess, -side_normal)
+        out = outward_stepped(-side_normal, slope, steepness)
         _distance, _slope, stiffness = outward_step(x, axis, across2, excess, out)
         room = case.radius - out[0] * x[0] - out[1] * x[1]
         normal = -out
@@ -253,9 +256,9 @@ def spheroids(effects):
         """Where a particle met a wall ``offset`` seconds back, its centre at ``x``; any place if it did not."""
         axis = axis_back(p, i, offset)
         side_normal = vec3(real(-1.0), real(0.0), real(0.0))
-        clear = case.radius - p[i].reach
-        if wall == SIDE and x[0] * x[0] + x[1] * x[1] > clear * clear:
-            _distance, out = outermost(case, x, axis, p[i].across2, p[i].excess, p[i].reach)
+        room = case.radius - p[i].reach
+        if wall == SIDE and x[0] * x[0] + x[1] * x[1] > room * room:
+            _distance, out = outermost(case, x, axis, p[i].across2, p[i].excess, p[i].flattest)
             side_normal = -out
         return wall_touch_along(case, p, i, wall, x, axis, side_normal)
 

@@ -131,6 +131,7 @@ def structs(effects):
             excess: real  # a^2 - b^2 [m^2], a the one along it
             reach: real  # the larger of them [m]
             tilt: real  # |a - b|: longest lever of a normal [m]
+            flattest: real  # largest radius of curvature of its surface [m]
             inverse_transverse: real  # 1 / I_t
             inverse_axial: real  # 1 / I_a
         if effects.materials:

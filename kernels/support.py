@@ -133,15 +133,13 @@ def support(effects):
 
     @wp.func
     def refined(pose: Pose, n: vec3):
-        """The two along their common normal, from one nearby: two steps without a branch, for lanes.
+        """The two along their common normal, from that of the time step before: one step without a branch, for lanes.
 
-        Within a time step a normal turns by 1e-3 at the most; what two steps leave of that is below round-off.
+        What it leaves is of the order of the square of the normal's turn in a time step, 1e-4 of a radian.
         """
         f = facing(pose, n)
-        for _again in range(2):
-            scaled, determinant = step(pose, f)
-            f = facing(pose, stepped(f.normal, scaled, determinant))
-        return f
+        scaled, determinant = step(pose, f)
+        return facing(pose, stepped(n, scaled, determinant))
 
     @wp.func
     def outward_step(x: vec3, axis: vec3, across2: real, excess: real, out: vec3):
@@ -165,20 +163,25 @@ def support(effects):
         return stepped(out, slope * vec3(-out[1], out[0], real(0.0)), stiffness)
 
     @wp.func
-    def outermost(case: Case, x: vec3, axis: vec3, across2: real, excess: real, reach: real):
-        """Distance of a spheroid's farthest point from the z axis, and the direction of that; from the radial one.
+    def is_clear(case: Case, distance: real, slope: real, flattest: real):
+        """Whether f and f' along any direction prove that the spheroid does not touch the side.
 
-        It ends where the spheroid is clear of the side: f has its second derivative below rho - f, rho the largest
-        radius of curvature of the surface, so it rises by z^2 / (2 (f - rho)) at the most.
+        With rho the largest radius of curvature of its surface f'' <= rho - f, so f nowhere exceeds that solution of
+        y'' = rho - y which starts as f does: it rises by f'^2 / (2 (f - rho)) at the most.
+        """
+        room = (distance - flattest) * (case.radius - distance)
+        return distance < case.radius and distance > flattest and real(0.5) * slope * slope < room
+
+    @wp.func
+    def outermost(case: Case, x: vec3, axis: vec3, across2: real, excess: real, flattest: real):
+        """Distance of a spheroid's farthest point from the z axis, and the direction of that, from the radial one.
+
+        Or any direction that proves the spheroid clear of the side.
         """
         out = (real(1.0) / wp.sqrt(x[0] * x[0] + x[1] * x[1])) * vec3(x[0], x[1], real(0.0))
-        flattest = reach * reach / wp.sqrt(wp.min(across2, across2 + excess))
         distance, slope, stiffness = outward_step(x, axis, across2, excess, out)
-        room = (distance - flattest) * (case.radius - distance)
         k = wp.int32(0)
-        if distance < case.radius and distance > flattest and real(0.5) * slope * slope < room:
-            k = MOST
-        while k < MOST:
+        while k < MOST and not is_clear(case, distance, slope, flattest):
             slope2 = slope * slope
             stiffness2 = stiffness * stiffness
             out = outward_stepped(out, slope, stiffness)
@@ -196,5 +199,6 @@ def support(effects):
         refined=refined,
         outward_step=outward_step,
         outward_stepped=outward_stepped,
+        is_clear=is_clear,
         outermost=outermost,
     )

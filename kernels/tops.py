@@ -54,7 +54,9 @@ def tops(effects):
         p[i].axis = after
         p[i].torque = vec3()
         # mean over the step, for surfaces slide by it
-        p[i].half_spin = real(0.5) * (spin_of(p, i, momentum, before) + spin_of(p, i, momentum, after))
+        transverse = p[i].inverse_transverse
+        along = real(0.5) * (p[i].inverse_axial - transverse) * wp.dot(momentum, before)
+        p[i].half_spin = transverse * momentum + along * (before + after)
         if wp.static(effects.dashpots):
             p[i].spin = spin_of(p, i, momentum + half * torque, after)
 

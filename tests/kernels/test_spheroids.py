@@ -5,15 +5,13 @@ take their time to compile.
 """
 
 import dataclasses
-import math
 
 import numpy as np
-import pytest
 
 from warpdamp import Batch, Case, Cylinder, Effects, Scene, State, Surface
 from warpdamp.damper.placement import place
-from warpdamp.scene.particles import Grains
 from warpdamp.scene.paper import PMMA, RADIUS
+from warpdamp.scene.particles import Grains
 
 FULL = Effects(spheroids=True)
 EVERYTHING = dataclasses.replace(FULL, rolling=True, sizes=True, materials=True)

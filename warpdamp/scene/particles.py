@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from .shape import bounding_radius, semi_axes, spheroid_inertia
+from .shape import bounding_radius, flattest_radius, semi_axes, spheroid_inertia
 
 
 @dataclass(frozen=True)
@@ -170,8 +170,9 @@ class State:
         -------
         dict of (n,) arrays
             ``inverse_mass`` [1/kg]; of spheres ``inverse_inertia`` [1/(kg m^2)]; of spheroids ``across2`` b^2,
-            ``excess`` a^2 - b^2 [m^2], ``reach`` max(a, b), ``tilt`` |a - b| [m], ``inverse_transverse`` 1 / I_t,
-            ``inverse_axial`` 1 / I_a [1/(kg m^2)], and ``half_momentum`` (n, 3) [kg m^2/s].
+            ``excess`` a^2 - b^2 [m^2], ``reach`` max(a, b), ``tilt`` |a - b|, ``flattest`` max(a, b)^2 / min(a, b)
+            [m], ``inverse_transverse`` 1 / I_t, ``inverse_axial`` 1 / I_a [1/(kg m^2)], and ``half_momentum``
+            (n, 3) [kg m^2/s].
         """
         a, b = self.semi_axes
         transverse, axial = spheroid_inertia(mass, self.radius, self.aspect)
@@ -183,6 +184,7 @@ class State:
             "excess": a**2 - b**2,
             "reach": np.maximum(a, b),
             "tilt": np.abs(a - b),
+            "flattest": flattest_radius(self.radius, self.aspect),
             "inverse_transverse": 1 / transverse,
             "inverse_axial": 1 / axial,
             "half_momentum": transverse[:, None] * self.spin + ((axial - transverse) * along)[:, None] * self.axis,
