@@ -180,6 +180,7 @@ class Config(Model):
             raise ValueError("seeds: each seed once")
         self._check_dampers()
         self._check_design()
+        self._check_rotation()
         grains = [p.material for damper in (self.damper, *self.dampers) for p in damper.mixture]
         for key in self.contact.pairs:
             for name in between(key):
@@ -213,6 +214,11 @@ class Config(Model):
         wanted, there = self.design.target.modes, self.structure.modes
         if wanted and there and not set(wanted) <= set(there):
             raise ValueError(f"design.target.modes: are not all among structure.modes ({', '.join(map(str, there))})")
+
+    def _check_rotation(self):
+        """Spheroids turn: without it their contacts would do work that no energy knows of."""
+        if self.effects.rotation is False and any(damper.spheroids for damper in (self.damper, *self.dampers)):
+            raise ValueError("effects.rotation: spheroids turn whatever they touch: leave it out, or take spheres")
 
     def _check_dampers(self):
         """Several dampers sit on one structure, and are shaken at its modes as hard as each one's place moves."""

@@ -102,6 +102,7 @@ class Batch:
         self.cases = list(cases)
         for case in self.cases:
             guards.check_values(case.state)
+            guards.check_shapes(case.scene, case.state)
         self.effects = effects or covering([called_for(case.scene, case.state) for case in self.cases])
         t = types(self.effects)
         device = self.effects.device
