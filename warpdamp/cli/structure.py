@@ -40,8 +40,9 @@ def modes(
         from ..config.build import particle_mass
         from ..modal.from_config import modes as structure_modes
         from ..report.tables import modes_table
-        from ..study.several import every_damper, modes_of_all
+        from ..study.several import modes_of_all
         from ..sweep.cases import Cases
+        from ..sweep.dampers import every_damper
         from ..sweep.load import load
 
         checked = load(config)
