@@ -4,12 +4,12 @@ Each mode r, mass-normalised, with phi_c its amplitude at enclosure c in the dir
 
     q'' + 2 zeta w q' + w^2 q = phi_1 F + sum_c phi_c R_c,     x_c = sum_r phi_c q,
 
-F the force applied at the first enclosure, R_c that of the particles on enclosure c.  Leapfrog as for the particles; the
-damping acts on the mean of the velocities before and after, which needs no iteration.
+F the force applied at the first enclosure, R_c that of the particles on enclosure c.  Leapfrog as for the particles;
+the damping acts on the mean of the velocities before and after, which needs no iteration.
 
 Where the base moves, with acceleration a along the direction, q and x are relative to it:
 
-    q'' + 2 zeta w q' + w^2 q = sum_c phi_c R_c - Gamma a,     Gamma = phi^T M d,     accelerations of enclosures a + x_c'',
+    q'' + 2 zeta w q' + w^2 q = sum_c phi_c R_c - Gamma a,     Gamma = phi^T M d,     acceleration of c: a + x_c'',
 
 d the displacement of the structure that follows the base like a rigid body.  In the base's frame the inertial forces
 do the work -a (sum Gamma q' + sum P_c) per second, P = p + m x' the momentum of the particles in an enclosure, p that

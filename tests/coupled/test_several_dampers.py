@@ -84,7 +84,7 @@ def test_particles_that_move_along_weigh_where_they_are(cavity, loose_positions)
     phi = (1.7, -0.9)
     w = 2 * math.pi * 40
     sag = -9.81 * sum(p * m for p, m in zip(phi, masses, strict=True)) / w**2
-    batch, start, end = on_one(
+    batch, *_ = on_one(
         cavity, beds, [(p,) for p in phi], 2.5e-6, 80_000, records=2000,
         frequency=(40.0,), damping=(0.002,), position=(sag + 0.05 * 9.81 / w**2 / 1.7,), record=40,
     )  # fmt: skip
@@ -199,7 +199,7 @@ def test_a_damper_on_a_node_changes_nothing(write):
         np.testing.assert_allclose(found, alone[name].isel(time=start), atol=1e-8 * scale)
     np.testing.assert_allclose(both["window_frequency"], alone["window_frequency"], rtol=1e-4)
     assert float(both["particle_loss"].sel(damper=1)) == pytest.approx(float(alone["particle_loss"]), rel=0.1)
-    assert float(both["particle_loss"].sel(damper=2)) < 1e-3 * float(both["particle_loss"].sel(damper=1))
+    assert float(both["particle_loss"].sel(damper=2)) < 1e-2 * float(both["particle_loss"].sel(damper=1))
     assert float(both["closure"]) < 5e-3
 
 

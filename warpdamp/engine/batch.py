@@ -271,8 +271,8 @@ class Batch:
     def advance(self, steps) -> None:
         """Run every case on to its step number in ``steps`` (one for all, or one each).
 
-        A case whose state is no longer finite, or that has lost a particle, stops where it is, with all on its structure;
-        see ``status``.  Cases on one structure run to the step of the first of them.
+        A case whose state is no longer finite, or that has lost a particle, stops where it is, with all on its
+        structure; see ``status``.  Cases on one structure run to the step of the first of them.
         """
         target = np.broadcast_to(np.asarray(steps, np.int64), len(self.cases))
         target = target[np.maximum.accumulate(np.where(self._enclosures, np.arange(len(self.cases)), 0))]

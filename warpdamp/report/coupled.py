@@ -17,7 +17,7 @@ CURVES = {"accelerance": "accelerance [m s$^{-2}$ N$^{-1}$]", "transmissibility"
 
 
 def answers(runs: xr.Dataset) -> Figure:
-    """Figure of acceleration over time for each level (first seed, first damper), and of what is identified from the records.
+    """Figure of acceleration over time for each level (first seed, first damper), and of what is read off the records.
 
     That is damping and frequency over Gamma with one mode and a harmonic signal (steady windows) or a release, the
     accelerance with any other force, the transmissibility with any other motion of the base.
