@@ -54,11 +54,6 @@ def samples(path: Path, quantity: str) -> tuple[np.ndarray, float]:
 def _columns(table: TextTable, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     """Times and values in SI, by the names of their columns."""
     place = f"{table.file}:{table.header_line or table.lines[0]}"
-    if table.preamble:
-        odd = table.preamble[0]
-        raise UsageError(
-            f"{table.file}:{odd.line}: '{' '.join(odd.cells)}' is neither names nor numbers: delete the line"
-        )
     names = [column.name.lower().partition("_")[0].strip() for column in table.columns]
     if sorted(names) != sorted(("time", quantity)):
         got = ", ".join(map(str, table.columns)) or "no names"

@@ -113,7 +113,7 @@ def seen_by_all(config: Config, modes: Modes) -> list[Modes]:
 
 
 def amplitudes(config: Config, modes: Modes) -> np.ndarray:
-    """Mass-normalised shapes at all dampers, (dampers, modes) [kg^-0.5], positive at the first, others with their signs.
+    """Mass-normalised shapes at all dampers, (dampers, modes) [kg^-0.5], positive at the first one.
 
     Raises
     ------
