@@ -1,7 +1,8 @@
 """Recorded signals, a force or the acceleration of a base over time, from text tables.
 
-The columns are time_s, and force_N, acceleration_m_s2 or acceleration_g; other units are written as time_ms, force
-[lbf] or acceleration (mm/s^2), as those of FRFs.  Encodings, separators and decimal marks are those of ``text_table``.
+The columns are time_s, and force_N, acceleration_m_s2 or acceleration_g (g = 9.80665 m/s^2, that of units); other
+units are written as time_ms, force [lbf] or acceleration (mm/s^2), as those of FRFs.
+Encodings, separators and decimal marks are those of ``text_table``.
 """
 
 from __future__ import annotations
