@@ -5,6 +5,7 @@ rises without end; floor and lid reach as far as the particles do.
 """
 
 import functools
+from types import SimpleNamespace
 
 import warp as wp
 
@@ -192,4 +193,6 @@ def wall_contacts(effects, count: int):
                 inside = inside and x[2] <= case.height
         return inside
 
-    return wall_forces, wall_energy, contained, wall_contact
+    return SimpleNamespace(
+        wall_forces=wall_forces, wall_energy=wall_energy, contained=contained, wall_contact=wall_contact
+    )

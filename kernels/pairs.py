@@ -1,6 +1,7 @@
 """Contacts between particles: the law at one of them, and the sums over the neighbour list."""
 
 import functools
+from types import SimpleNamespace
 
 import warp as wp
 
@@ -166,4 +167,6 @@ def pair_contacts(effects, count: int):
                     stored[2] += wp.float64(rolling)
         return stored
 
-    return nearby_pairs, pair_forces, pair_energy, pair_contact
+    return SimpleNamespace(
+        nearby_pairs=nearby_pairs, pair_forces=pair_forces, pair_energy=pair_energy, pair_contact=pair_contact
+    )

@@ -90,7 +90,7 @@ def run(
         save(draw(dataset), path.with_suffix(".png"))
     console = Console()
     console.print(summary(dataset))
-    for line in verdicts(dataset):
+    for line in verdicts(dataset, quick=quick):
         console.print(line, highlight=False)
     if quick:
         console.print(
@@ -207,16 +207,17 @@ def plot(
     file: Annotated[Path, typer.Argument(help="Results of a run.", metavar="FILE.nc")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="PNG to write (default: beside FILE).")] = None,
 ) -> None:
-    """Draw a results file: curves, maps of frequency and Gamma, or scattered cases, as its dimensions ask."""
+    """Draw a results file: curves, maps, or scattered cases, as its dimensions ask; or that of coupled runs."""
     with one_line_errors():
-        from ..analysis.results import read
+        from ..analysis.results import is_coupled, read
+        from ..report.coupled import answers
         from ..report.curves import draw
         from ..report.figures import save
 
         target = picture_file(output or file.with_suffix(".png"))
-        dataset = read(file)
+        dataset = read(file, coupled=True)
         try:
-            figure = draw(dataset)
+            figure = (answers if is_coupled(dataset) else draw)(dataset)
         except ValueError as error:
             raise UsageError(f"{file}: {error}") from None
         save(figure, target)

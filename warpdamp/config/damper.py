@@ -231,13 +231,11 @@ class DamperConfig(Model):
             raise ValueError(
                 f"particles.radius: particles of diameter {2e3 * radii.max():g} mm do not fit the cavity ({size})"
             )
-        volume = float(np.sum(sphere_volume(radii)))
-        cavity = math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height
-        densest = 0.74 if radii.min() == radii.max() and not self.spheroids else 1.0
-        if volume > densest * cavity:
-            most = math.floor(densest * cavity / volume * len(radii))
+        fill, densest = self.fill, self.densest
+        if fill > densest:
+            most = math.floor(densest / fill * len(radii))
             raise ValueError(
-                f"particles.count: too many particles: they would fill {volume / cavity:.3f} of the cavity, and not "
+                f"particles.count: too many particles: they would fill {fill:.3f} of the cavity, and not "
                 f"even {'a crystal fills' if densest < 1 else 'sizes and shapes fill'} more than {densest:.3f}; "
                 f"take at most {most}"
             )
@@ -263,6 +261,18 @@ class DamperConfig(Model):
                     f"{place}: particles {1e3 * longest:.3g} mm across do not fit the cavity "
                     f"({1e3 * cavity.diameter:g} x {1e3 * cavity.height:g} mm)"
                 )
+
+    @property
+    def fill(self) -> float:
+        """Volume of the particles over that of the cavity [-]."""
+        volume = sum(float(np.sum(sphere_volume(part.radii()))) for part in self.mixture)
+        return volume / (math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height)
+
+    @property
+    def densest(self) -> float:
+        """Packing fraction that no bed exceeds [-]: a crystal's of equal spheres, all space of other particles."""
+        radii = np.concatenate([part.radii() for part in self.mixture])
+        return 0.74 if radii.min() == radii.max() and not self.spheroids else 1.0
 
 
 def _unit(vector) -> tuple[float, float, float]:

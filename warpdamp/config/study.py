@@ -193,7 +193,7 @@ class Config(Model):
                     raise ValueError(
                         f"{cavity}.enclosure.{name}: gravity draws the particles out where there is no {name}"
                     )
-        check_preparation(self.preparation, {name: damper.enclosure for name, damper in cavities.items()}, gravities)
+        check_preparation(self.preparation, cavities, gravities)
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
             raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
         return self
