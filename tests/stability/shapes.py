@@ -44,12 +44,16 @@ WIDE = Cylinder(0.08, 0.04)
 
 @hard("needles: spheroids of aspect 8")
 def needles(fine):
-    return tried(shaken(cavity=WIDE), shaped(8.0, 200 if fine else 30, radius=1.2e-3, cavity=WIDE), cycles=2 if fine else 1)
+    return tried(
+        shaken(cavity=WIDE), shaped(8.0, 200 if fine else 30, radius=1.2e-3, cavity=WIDE), cycles=2 if fine else 1
+    )
 
 
 @hard("discs: spheroids of aspect 1/8")
 def discs(fine):
-    return tried(shaken(cavity=WIDE), shaped(0.125, 200 if fine else 30, radius=2e-3, cavity=WIDE), cycles=2 if fine else 1)
+    return tried(
+        shaken(cavity=WIDE), shaped(0.125, 200 if fine else 30, radius=2e-3, cavity=WIDE), cycles=2 if fine else 1
+    )
 
 
 @hard("spheroids in a row along their common axis")
