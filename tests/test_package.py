@@ -32,7 +32,9 @@ def test_the_wheel_holds_every_module_and_no_other(wheel):
     own = {path for path in own if not path.startswith("warpdamp/kernels/")}
     own |= {f"warpdamp/{p.relative_to(ROOT).as_posix()}" for p in (ROOT / "kernels").glob("*.py")}
     assert shipped == own
-    assert "warpdamp/py.typed" in names
+    assert {"warpdamp/py.typed"} < set(names)
+    pages = {p.relative_to(ROOT).as_posix() for p in (ROOT / "warpdamp" / "report" / "page").iterdir()}
+    assert pages == {name for name in names if name.startswith("warpdamp/report/page/")} != set()
 
 
 def test_the_wheel_runs_a_study_away_from_the_checkout(wheel, tmp_path):

@@ -16,7 +16,7 @@ What is claimed is measured, by scripts that are part of the repository. Each of
 command beside it and not touched by hand. The date, the processor time and the version of the physics are noted by the
 script when it writes; simulations that a document reads again (`simulate` makes them anew) are noted apart. Where
 nothing is noted the document is older than the notes. `coverage.py`, `price.py` and `presets.py` beside the scripts
-measure for [accuracy](/accuracy.md) if claimed intervals hold, what a tolerance saves, and what the presets err by.
+measure for [accuracy](/accuracy.md) whether claimed intervals hold, what a tolerance saves, and by what presets err.
 
 """
 SHOWS = {

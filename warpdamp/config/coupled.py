@@ -12,7 +12,7 @@ from ..scene.scene import STANDARD_GRAVITY
 from .base import POSITIVE, Model
 from .messages import suggestion
 from .quantities import Frequency, Number, Time, quantity, to_si
-from .spectra import SPECTRA
+from .spectra import SPECTRA, WITHOUT_BREAKPOINTS
 
 Newtons = Annotated[quantity("N"), POSITIVE]
 Hertz = Annotated[Frequency, POSITIVE]
@@ -46,6 +46,9 @@ def _named(value: Any) -> Any:
     """Breakpoints of a spectrum that is called by its name."""
     if not isinstance(value, str):
         return value
+    for name, said in WITHOUT_BREAKPOINTS.items():
+        if name.fullmatch(value.strip()):
+            raise ValueError(f"'{value}': {said}: copy them from the standard: give {_SHOWN}")
     if value not in SPECTRA:
         raise ValueError(f"there is no spectrum '{value}'{suggestion(value, SPECTRA)}; or give {_SHOWN}")
     return [[frequency, f"{density} g^2/Hz"] for frequency, density in SPECTRA[value].breakpoints]
@@ -126,8 +129,8 @@ class RandomConfig(Model):
 class RecordedConfig(Model):
     """Recorded signal: a text table, evenly spaced from time 0, with the column time_s, and force_N or an acceleration.
 
-    The acceleration of a base is called acceleration_m_s2 or acceleration_g.  Other units are written into the names or
-    behind them, as time_ms or force [lbf].  After the record there is nothing more.
+    The acceleration of a base is called acceleration_m_s2 or acceleration_g, of 9.80665 m/s^2.  Other units are written
+    into the names or behind them, as time_ms or force [lbf].  After the record there is nothing more.
     """
 
     file: str
@@ -158,7 +161,11 @@ class BaseSweptConfig(BaseAmplitude, Band):
 
 
 class BaseRandomConfig(Model):
-    """Normal noise of a power spectral density: breakpoints in g^2/Hz, or the name of a standard's."""
+    """Normal noise of a power spectral density: breakpoints in g^2/Hz, or the name of a standard's.
+
+    Here and in gamma g is 9.81 m/s^2, as everywhere in the package; in files that have g as a unit it is standard
+    gravity, 9.80665 m/s^2.
+    """
 
     spectrum: Annotated[list[tuple[Hertz, AccelerationDensity]], BeforeValidator(_named), Field(min_length=2)]
     """Breakpoints of a power spectral density, [frequency, density], or the name of a standard's."""

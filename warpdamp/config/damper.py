@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, StrictInt, create_model, field_vali
 
 from ..scene.effects import FORCIBLE
 from ..scene.particles import sphere_volume
+from ..scene.shape import bounding_radius, two_ends_at_the_side
 from .base import NOT_NEGATIVE as _not_negative
 from .base import POSITIVE as _positive
 from .base import Model
@@ -27,7 +28,11 @@ def between(key: str) -> tuple[str, str]:
 
 
 class MaterialConfig(Model):
-    """Isotropic elastic material."""
+    """Isotropic elastic material.
+
+    ``library`` names the one of the library (``warpdamp materials``) that stands for what is left out here; ``source``
+    says where values are from.
+    """
 
     density: _swept(Density, _positive)
     """Mass over volume."""
@@ -35,6 +40,14 @@ class MaterialConfig(Model):
     """Young's modulus; the softer a material, the longer the steps."""
     poissons_ratio: _swept(Number, Field(gt=-1, lt=0.5))
     """Poisson's ratio."""
+    library: str | None = None
+    """Name in the library (``warpdamp materials``) of what stands for the values left out."""
+    source: str | None = None
+    """Where the values are from."""
+
+    def elastic(self) -> dict[str, Any]:
+        """Density, Young's modulus and Poisson's ratio by name."""
+        return self.model_dump(exclude={"library", "source"})
 
 
 class SurfaceConfig(Model):
@@ -51,13 +64,16 @@ class SurfaceConfig(Model):
 class ContactConfig(SurfaceConfig):
     """Contact of particles with each other and, unless ``walls`` says otherwise, with the walls.
 
-    ``pairs`` has the surfaces of a mixture that differ, as ``steel with pmma`` and ``steel with walls``.
+    ``pairs`` has the surfaces of a mixture that differ, as ``steel with pmma`` and ``steel with walls``.  What the
+    library knows of the particles' material on itself may be left out; ``source`` then says where it is from.
     """
 
     walls: SurfaceConfig | None = None
     """Surface of the particles with the walls, where it differs from that between particles."""
     pairs: dict[Annotated[str, Field(pattern=r"^\S+ with \S+$")], SurfaceConfig] = Field({})
     """Surfaces of pairs of materials that differ, by ``A with B`` or ``A with walls``."""
+    source: str | None = None
+    """Where the values are from."""
 
 
 class EnclosureConfig(Model):
@@ -144,15 +160,27 @@ class SizesConfig(Model):
         return np.array(self.each)
 
 
+class ShapeConfig(Model):
+    """Shape of particles: spheroids of an ``aspect``, d1 along over d2 across their axis, or spheres (1).
+
+    Above 1 they are prolate, below oblate.  Their radius stays that of the sphere of the same volume.
+    """
+
+    aspect: Annotated[Number, _positive] = 1.0
+    """Semi-axis along the axis of symmetry over that across it."""
+
+
 class ParticlesConfig(Model):
-    """Spheres of one material."""
+    """Particles of one material and one shape."""
 
     count: Annotated[StrictInt, Field(ge=1)]
     """Number of particles."""
     radius: Annotated[Length, _positive] | SizesConfig
-    """Radius of the spheres, or a distribution of radii."""
+    """Radius of the spheres (of spheroids: of the sphere of the same volume), or a distribution of radii."""
     material: str
     """Name of the particles' material, one of ``materials``."""
+    shape: ShapeConfig = ShapeConfig()
+    """Shape of the particles; spheres unless given."""
 
     @field_validator("radius", mode="wrap")
     @classmethod
@@ -174,7 +202,7 @@ class ParticlesConfig(Model):
 
 
 class DamperConfig(Model):
-    """Damper: the cavity, and equal particles or a list of components of a mixture."""
+    """Damper: the cavity, and particles of one kind or a list of components of a mixture."""
 
     enclosure: EnclosureConfig
     """The cavity."""
@@ -197,22 +225,54 @@ class DamperConfig(Model):
     @model_validator(mode="after")
     def _fits(self):
         radii = np.concatenate([part.radii() for part in self.mixture])
+        self._check_shapes()
         size = f"{1e3 * self.enclosure.diameter:g} x {1e3 * self.enclosure.height:g} mm"
         if 2 * radii.max() >= min(self.enclosure.diameter, self.enclosure.height):
             raise ValueError(
                 f"particles.radius: particles of diameter {2e3 * radii.max():g} mm do not fit the cavity ({size})"
             )
-        volume = float(np.sum(sphere_volume(radii)))
-        cavity = math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height
-        densest = 0.74 if radii.min() == radii.max() else 1.0
-        if volume > densest * cavity:
-            most = math.floor(densest * cavity / volume * len(radii))
+        fill, densest = self.fill, self.densest
+        if fill > densest:
+            most = math.floor(densest / fill * len(radii))
             raise ValueError(
-                f"particles.count: too many particles: they would fill {volume / cavity:.3f} of the cavity, and not "
-                f"even {'a crystal fills' if densest < 1 else 'all sizes together fill'} more than {densest:.3f}; "
+                f"particles.count: too many particles: they would fill {fill:.3f} of the cavity, and not "
+                f"even {'a crystal fills' if densest < 1 else 'sizes and shapes fill'} more than {densest:.3f}; "
                 f"take at most {most}"
             )
         return self
+
+    @property
+    def spheroids(self) -> bool:
+        """Whether any particle is not a sphere."""
+        return any(part.shape.aspect != 1 for part in self.mixture)
+
+    def _check_shapes(self):
+        """Spheroids fit the cavity at full length, and touch its side in one place at the most."""
+        for k, part in enumerate(self.mixture):
+            radii, aspect, cavity = part.radii(), part.shape.aspect, self.enclosure
+            if aspect == 1:
+                continue
+            place = f"particles.{k}.shape.aspect" if isinstance(self.particles, list) else "particles.shape.aspect"
+            if refusal := two_ends_at_the_side(radii, aspect, cavity.diameter / 2):
+                raise ValueError(f"{place}: {refusal}")
+            longest = 2 * float(bounding_radius(radii, aspect).max())
+            if longest >= min(cavity.diameter, cavity.height):
+                raise ValueError(
+                    f"{place}: particles {1e3 * longest:.3g} mm across do not fit the cavity "
+                    f"({1e3 * cavity.diameter:g} x {1e3 * cavity.height:g} mm)"
+                )
+
+    @property
+    def fill(self) -> float:
+        """Volume of the particles over that of the cavity [-]."""
+        volume = sum(float(np.sum(sphere_volume(part.radii()))) for part in self.mixture)
+        return volume / (math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height)
+
+    @property
+    def densest(self) -> float:
+        """Packing fraction that no bed exceeds [-]: a crystal's of equal spheres, all space of other particles."""
+        radii = np.concatenate([part.radii() for part in self.mixture])
+        return 0.74 if radii.min() == radii.max() and not self.spheroids else 1.0
 
 
 def _unit(vector) -> tuple[float, float, float]:

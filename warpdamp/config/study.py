@@ -16,11 +16,14 @@ from pydantic import (
 from ..errors import ConfigError, printable
 from ..numerics.tolerance import FEWEST_PACKINGS
 from ..scene.effects import Device
+from ..scene.materials import LIBRARY
 from .base import POSITIVE as _positive
 from .base import Model
 from .coupled import CoupledConfig
 from .damper import WALLS, ContactConfig, DamperConfig, EffectsConfig, ExcitationConfig, MaterialConfig, between
-from .messages import keys, place, suggestion
+from .design import DesignConfig
+from .library import COMMAND, written_out
+from .messages import closest, keys, place, suggestion
 from .preparation import PreparationConfig, Word, carried_path, check_preparation, read_preparation
 from .quantities import Number, Time
 from .structure import FurtherDamperConfig, StructureConfig, check_further
@@ -116,8 +119,15 @@ class Config(Model):
     """Scalars, by their paths, that take several values."""
     coupled: CoupledConfig | None = None
     """Runs in which the structure answers, of ``warpdamp coupled``."""
+    design: DesignConfig | None = None
+    """What a damper is to be designed for, of ``warpdamp design``."""
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_the_library(cls, values):
+        return written_out(values) if isinstance(values, dict) else values
 
     @field_validator("preparation", mode="wrap")
     @classmethod
@@ -155,7 +165,9 @@ class Config(Model):
             named[f"structure.{self.structure.source}.material"] = material
         for where, name in named.items():
             if name not in self.materials:
-                raise ValueError(f"{where}: there is no material '{name}'{suggestion(name, self.materials)}")
+                known = [*self.materials, *LIBRARY]
+                close = suggestion(name, known) if closest(name, known) else f": define it under materials; {COMMAND}"
+                raise ValueError(f"{where}: there is no material '{name}'{close}")
         for name in self.materials:
             if name not in named.values():
                 raise ValueError(f"materials.{name}: is not used by anything: leave it out")
@@ -167,6 +179,8 @@ class Config(Model):
         if len(set(self.seeds)) < len(self.seeds):
             raise ValueError("seeds: each seed once")
         self._check_dampers()
+        self._check_design()
+        self._check_rotation()
         grains = [p.material for damper in (self.damper, *self.dampers) for p in damper.mixture]
         for key in self.contact.pairs:
             for name in between(key):
@@ -179,10 +193,32 @@ class Config(Model):
                     raise ValueError(
                         f"{cavity}.enclosure.{name}: gravity draws the particles out where there is no {name}"
                     )
-        check_preparation(self.preparation, {name: damper.enclosure for name, damper in cavities.items()}, gravities)
+        check_preparation(self.preparation, cavities, gravities)
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
             raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
         return self
+
+    def _check_design(self):
+        """One damper, on a structure, is looked for at the structure's modes."""
+        if not self.design:
+            return
+        if not self.structure:
+            raise ValueError("design: a damper is designed for a structure: say which, under structure")
+        for other in ("dampers", "sweep"):
+            if getattr(self, other):
+                raise ValueError(f"{other}: is not for a design, which has one damper and variables of its own")
+        if self.excitation.frequency != "modes":
+            raise ValueError("excitation.frequency: a design is for the structure's modes: leave it out")
+        if self.preparation == "carried" or carried_path(self.preparation):
+            raise ValueError("preparation: a design takes loose or compacted beds, not carried ones")
+        wanted, there = self.design.target.modes, self.structure.modes
+        if wanted and there and not set(wanted) <= set(there):
+            raise ValueError(f"design.target.modes: are not all among structure.modes ({', '.join(map(str, there))})")
+
+    def _check_rotation(self):
+        """Spheroids turn: without it their contacts would do work that no energy knows of."""
+        if self.effects.rotation is False and any(damper.spheroids for damper in (self.damper, *self.dampers)):
+            raise ValueError("effects.rotation: spheroids turn whatever they touch: leave it out, or take spheres")
 
     def _check_dampers(self):
         """Several dampers sit on one structure, and are shaken at its modes as hard as each one's place moves."""
