@@ -19,8 +19,8 @@ def probe(effects):
     t = types(effects)
     vec3, Losses = t.vec3, t.Losses
     Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
-    _, _, _, pair_contact = pair_contacts(effects, 1)
-    _, _, _, wall_contact = wall_contacts(effects, 1)
+    pair_contact = pair_contacts(effects, 1).pair_contact
+    wall_contact = wall_contacts(effects, 1).wall_contact
     channels = wp.constant(t.Losses._length_)
 
     @wp.func

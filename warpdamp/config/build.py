@@ -18,11 +18,13 @@ def as_list(value) -> list:
 
 
 def grains(config: Config) -> Grains:
-    """Radius and species of every particle of a configuration."""
+    """Radius, species and aspect of every particle of a configuration."""
     mixture, names = config.damper.mixture, _species(config)
+    aspects = tuple(part.shape.aspect for part in mixture for _ in range(part.count))
     return Grains(
         tuple(float(r) for part in mixture for r in part.radii()),
         tuple(names.index(part.material) for part in mixture for _ in range(part.count)),
+        aspects if config.damper.spheroids else (),
     )
 
 
@@ -33,7 +35,7 @@ def _species(config: Config) -> list[str]:
 
 def material(config: Config, name: str) -> Material:
     """Material of that name in a configuration without lists."""
-    return Material(**config.materials[name].model_dump())
+    return Material(**config.materials[name].elastic())
 
 
 def scene(config: Config) -> Scene:
