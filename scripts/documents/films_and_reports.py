@@ -33,7 +33,7 @@ WIDE, NARROW = 1100, 390
 TOP = 1500
 """Height of the part of a page that a picture shows."""
 
-COLOURS = 128
+COLOURS = 256
 
 
 class Clock:

@@ -25,7 +25,7 @@ from .preparation import prepare
 FRAMES, CYCLES = 60, 3
 """Usual frames of a film, and cycles of the drive that they show."""
 
-SAMPLES_PER_CONTACT = 2
+SAMPLES_PER_CONTACT = 4
 """Looks at the losses within the shortest contact.  On the paper's damper the particles' losses then add up to the
 ledger's to 2 %."""
 
