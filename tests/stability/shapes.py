@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 
 import numpy as np
 
@@ -39,6 +40,12 @@ def tried(s, state, **options) -> Outcome:
     return attempt(s, state, effects=COMMON, **options)
 
 
+@functools.cache
+def jam() -> State:
+    """As many prolate spheroids as random packing brings into the paper's cavity."""
+    return shaped(2.0, 138)
+
+
 WIDE = Cylinder(0.08, 0.04)
 
 
@@ -66,7 +73,7 @@ def in_a_row(fine):
 
 @hard("a jam of spheroids (0.597 of the cavity)")
 def jammed(fine):
-    return tried(shaken(), shaped(2.0, 138), cycles=4 if fine else 1)
+    return tried(shaken(), jam(), cycles=4 if fine else 1)
 
 
 @hard("a spheroid that might touch the side at both ends", "refused")
@@ -89,7 +96,7 @@ def sizes(fine):
 
 
 hard("spheroids, modulus x 1000")(
-    lambda fine: tried(shaken(material=scaled(PMMA, 1e3)), shaped(2.0, 30), steps=None if fine else 20_000, cycles=1)
+    lambda fine: tried(shaken(material=scaled(PMMA, 1e3)), jam(), steps=100_000 if fine else 20_000)
 )
 for e in (0.0, 1.0):
     hard(f"spheroids, restitution {e:g}")(
@@ -109,10 +116,10 @@ def resting(fine):
     after, ledger = batch.read()[0]
     moved = float(np.abs(after.position - before.position)[:, 2].max()) / RADIUS
     turned = float(np.linalg.norm(after.axis - before.axis, axis=1).max())
-    gained = float(ledger.stored[0] - start.stored[0])  # they rock for long, and lose by it
+    gained = float(ledger.stored[0] - start.stored[0])  # what rolls and rocks goes on for long
     outcome = judge(batch.status[0], Ledger(np.concatenate([start.rows, ledger.rows])), after, s)
     said = f"moved by {moved:.1g} R, turned by {turned:.1g} rad, energy changed by {gained:.1g} J"
-    if max(moved, turned) > 0.1 or gained > 1e-15:
+    if moved > 1e-3 or gained > 1e-15:
         return dataclasses.replace(outcome, flagged=said.upper())
     return dataclasses.replace(outcome, message=said)
 

@@ -14,7 +14,7 @@ from ..scene.scene import Cylinder
 from ..scene.shape import aspects, bounding_radius, two_ends_at_the_side
 from .case import GROWN
 from .fire import minimised
-from .spheroids import FEW, random_start, turned_apart
+from .spheroids import FEW, MOST, random_start, turned_apart
 
 
 def fill(radius, enclosure: Cylinder) -> float:
@@ -64,7 +64,7 @@ def place(grains: Grains, enclosure: Cylinder, seed: int) -> tuple[np.ndarray, n
     if refusal := two_ends_at_the_side(radius, aspect, enclosure.diameter / 2):
         raise PackingError(refusal)
     start = random_start(radius, aspect, enclosure, seed)
-    position, axis, fits = turned_apart(*start, GROWN * radius, aspect, enclosure)
+    position, axis, fits = turned_apart(*start, GROWN * radius, aspect, enclosure, most=MOST)
     if fits:
         return position, axis
 

@@ -34,9 +34,9 @@ def random_start(radius, aspect, enclosure: Cylinder, seed: int) -> tuple[np.nda
 
 
 def turned_apart(
-    position, axis, radius, aspect, enclosure: Cylinder, *, most: int = MOST
+    position, axis, radius, aspect, enclosure: Cylinder, *, most: int
 ) -> tuple[np.ndarray, np.ndarray, bool]:
-    """Minimise the overlaps in units of the mean radius.
+    """Minimise the overlaps in units of the mean radius, in ``most`` steps at the most.
 
     Returns
     -------
