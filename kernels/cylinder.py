@@ -5,6 +5,7 @@ rises without end; floor and lid reach as far as the particles do.
 """
 
 import functools
+from types import SimpleNamespace
 
 import warp as wp
 
@@ -18,7 +19,7 @@ from .structs import FLOOR, LID, SIDE, WALLS, types
 
 @functools.cache
 def wall_contacts(effects, count: int):
-    """Return ``wall_forces``, ``wall_energy`` and ``contained`` for the given effects.
+    """Return ``wall_forces``, ``wall_energy``, ``contained`` and ``wall_contact`` for the given effects.
 
     ``count`` contacts are computed side by side.
     """
@@ -192,4 +193,6 @@ def wall_contacts(effects, count: int):
                 inside = inside and x[2] <= case.height
         return inside
 
-    return wall_forces, wall_energy, contained
+    return SimpleNamespace(
+        wall_forces=wall_forces, wall_energy=wall_energy, contained=contained, wall_contact=wall_contact
+    )

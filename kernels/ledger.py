@@ -38,8 +38,8 @@ def ledger(effects, count: int):
     PARTICLE_LOSSES, WALL_LOSSES = (wp.constant(int(Column[f"{place}_{losses(effects)[0]}"])) for place in PLACES)
     IMPULSE = wp.constant(int(Column[IMPULSES[0]]) if effects.indicators else 0)
     WALLS_PRESSED = wp.constant(len(IMPULSES))
-    _, _, pair_energy = pair_contacts(effects, count)
-    _, wall_energy, _ = wall_contacts(effects, count)
+    pair_energy = pair_contacts(effects, count).pair_energy
+    wall_energy = wall_contacts(effects, count).wall_energy
     inverse_mass_of = particles(effects).inverse_mass_of
     rotational_energy = shape(effects).rotational_energy
 

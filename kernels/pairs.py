@@ -1,6 +1,7 @@
 """Contacts between particles: the law at one of them, and the sums over the neighbour list."""
 
 import functools
+from types import SimpleNamespace
 
 import warp as wp
 
@@ -14,7 +15,7 @@ from .structs import types
 
 @functools.cache
 def pair_contacts(effects, count: int):
-    """Return ``nearby_pairs``, ``pair_forces`` and ``pair_energy``, ``count`` contacts side by side."""
+    """Return ``nearby_pairs``, ``pair_forces``, ``pair_energy``, ``pair_contact``, ``count`` contacts side by side."""
     t = types(effects)
     real, vec3 = t.real, t.vec3
     Losses, History = t.Losses, t.History
@@ -166,4 +167,6 @@ def pair_contacts(effects, count: int):
                     stored[2] += wp.float64(rolling)
         return stored
 
-    return nearby_pairs, pair_forces, pair_energy
+    return SimpleNamespace(
+        nearby_pairs=nearby_pairs, pair_forces=pair_forces, pair_energy=pair_energy, pair_contact=pair_contact
+    )

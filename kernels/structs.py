@@ -75,11 +75,13 @@ def structs(effects):
             gravity: vec3  # [m/s^2]
         direction: vec3  # unit vector of the drive
         if effects.structure:
-            first_mode: wp.int32  # its modes are first_mode .. first_mode + modes - 1
+            enclosures: wp.int32  # of its structure, which are the cases from here on; 0: on that of a case before
+            first_mode: wp.int32  # its structure's modes are first_mode .. first_mode + modes - 1
             modes: wp.int32
+            first_amplitude: wp.int32  # and their amplitudes at its enclosure are those from first_amplitude on
             particle_mass: real  # of all its particles [kg]
             excitation: real  # amplitude of the harmonic force on it [N], or of the base's acceleration [m/s^2]
-            base_moves: wp.int32  # 1: the excitation is the base's acceleration; 0: a force at the damper
+            base_moves: wp.int32  # 1: the excitation is the base's acceleration; 0: a force at the first enclosure
             first_sample: wp.int32  # the excitation's samples are first_sample .. first_sample + samples - 1
             samples: wp.int32
             sample_step: real  # [s] between them
@@ -173,10 +175,19 @@ def structs(effects):
 
         stiffness: real  # w^2 [1/s^2]
         damping: real  # zeta w [1/s]
-        amplitude: real  # phi at the damper along the direction [kg^-0.5]
         participation: real  # Gamma, of a base that moves along the direction [kg^0.5]
         position: real  # q at n [m kg^0.5]
         velocity: real  # at n - 1/2
+        change: real  # of the velocity over the last step
+
+    @wp.struct
+    class Enclosure:
+        """What a step notes of an enclosure on a structure, from the contacts' forces to the motion."""
+
+        reaction: real  # the particles' force on it along the direction [N]
+        place: real  # x along the direction [m]
+        nearby: wp.int32  # end of the pairs that may touch
+        way: real  # the longest that a particle may have gone since they were noted [m]
 
     @wp.struct
     class HostStructure:
@@ -185,6 +196,8 @@ def structs(effects):
         count: wp.int32  # of modes of all cases together
         if effects.structure:
             modes: wp.array(dtype=Mode)
+            amplitudes: wp.array(dtype=real)  # phi at every enclosure along the direction, by its modes [kg^-0.5]
+            enclosures: wp.array(dtype=Enclosure)  # one a case
             signal: wp.array(dtype=real)  # samples of forces [N] and of bases' accelerations [m/s^2]
             records: wp.array(dtype=wp.vec3d)  # place [m], acceleration [m/s^2] of the enclosure, reaction [N]
 
@@ -265,6 +278,7 @@ def structs(effects):
         Particle=Particle,
         Contacts=Contacts,
         Mode=Mode,
+        Enclosure=Enclosure,
         HostStructure=HostStructure,
         Motion=Motion,
         Touch=Touch,

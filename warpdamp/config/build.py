@@ -35,7 +35,7 @@ def _species(config: Config) -> list[str]:
 
 def material(config: Config, name: str) -> Material:
     """Material of that name in a configuration without lists."""
-    return Material(**config.materials[name].model_dump())
+    return Material(**config.materials[name].elastic())
 
 
 def scene(config: Config) -> Scene:

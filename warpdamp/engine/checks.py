@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from ..errors import SimulationError
+from ..scene.effects import WALLS, Effects
 from ..scene.particles import State
 from ..scene.scene import Scene
 from ..scene.shape import inscribed_radius, two_ends_at_the_side
@@ -21,6 +22,21 @@ DEEPEST = 0.1
 
 LARGEST_RESIDUAL = 0.02
 """Ledger residual, over the energy turned over, beyond which figures are not to be trusted."""
+
+
+def check_walls(scene: Scene, effects: Effects) -> None:
+    """Refuse an open cavity among closed ones: kernels have a wall for all cases of a batch or for none.
+
+    Raises
+    ------
+    ValueError
+        Names the wall.
+    """
+    for wall in WALLS if scene.enclosure else ():
+        if getattr(effects, wall) and not getattr(scene.enclosure, wall):
+            raise ValueError(
+                f"a cavity without a {wall} cannot be in one batch with cavities that have one: make a batch of each"
+            )
 
 
 def check_values(state: State) -> None:

@@ -142,8 +142,8 @@ def _below(node, part):
 
 
 def tree(config: Config) -> dict:
-    """Tree of plain SI values of a configuration, without its sweep and coupled runs."""
-    return config.model_dump(mode="json", exclude={"sweep", "coupled"})
+    """Tree of plain SI values of a configuration, without its sweep, coupled runs and design."""
+    return config.model_dump(mode="json", exclude={"sweep", "coupled", "design"})
 
 
 def put(node, path: Path, value) -> None:

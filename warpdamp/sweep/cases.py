@@ -181,7 +181,7 @@ class Cases:
         particles = particle_mass(single)
         structure = single.structure.model_dump(mode="json")
         materials = {
-            name: single.materials[name].model_dump() for path, name in leaves(structure) if path[-1] == "material"
+            name: single.materials[name].elastic() for path, name in leaves(structure) if path[-1] == "material"
         }
         key = json.dumps([particles, structure, materials])
         if key not in self._modes:
