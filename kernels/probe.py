@@ -10,6 +10,7 @@ import warp as wp
 from .cylinder import wall_contacts
 from .options import UNIQUE
 from .pairs import pair_contacts
+from .shape import shape
 from .structs import FLOOR, LID, SIDE, WALLS, types
 
 
@@ -17,10 +18,11 @@ from .structs import FLOOR, LID, SIDE, WALLS, types
 def probe(effects):
     """Return the kernels ``probe_pairs`` and ``probe_walls`` for the given effects."""
     t = types(effects)
-    vec3, Losses = t.vec3, t.Losses
+    real, vec3, Losses = t.real, t.vec3, t.Losses
     Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     pair_contact = pair_contacts(effects, 1).pair_contact
     wall_contact = wall_contacts(effects, 1).wall_contact
+    pair_near, wall_near = shape(effects).pair_near, shape(effects).wall_near
     channels = wp.constant(t.Losses._length_)
 
     @wp.func
@@ -44,9 +46,12 @@ def probe(effects):
         """Force on the first particle of every listed pair [N], and the loss of a step [J]; zero where they part."""
         k = wp.tid()
         case = cases[group[c.owner[k]]]
-        f, _on_i, _on_j, _history, losses, _depth = pair_contact(case, p, c, k, case.dt, case.dt)
-        force[k] = f
-        lost[k] = total(losses)
+        force[k] = vec3()
+        lost[k] = wp.float64(0.0)
+        if pair_near(case, p, c, k, real(0.0)) == 1:
+            f, _on_i, _on_j, _history, losses, _depth = pair_contact(case, p, c, k, case.dt, case.dt)
+            force[k] = f
+            lost[k] = total(losses)
 
     @wp.func
     def there(wall: int):
@@ -76,7 +81,8 @@ def probe(effects):
         force[place] = vec3()
         lost[place] = wp.float64(0.0)
         case = cases[group[i]]
-        if there(place - WALLS * i):
+        wall = place - WALLS * i
+        if there(wall) and wall_near(case, p, c, i, wall) == 1:
             f, _torque, _history, losses, _depth = wall_contact(case, p, c, place, case.dt, case.dt)
             force[place] = f
             lost[place] = total(losses)
