@@ -1,6 +1,7 @@
 """Contacts one by one, as they are between two steps: their force, and what they lose in the step that follows.
 
-Nothing here moves a particle or a spring: a run that is looked at keeps its bits.
+Nothing here moves a particle or a spring.  Where particles are spheroids the search for contacts keeps the directions
+that it finds: give it copies of the contacts' histories, and a run that is looked at keeps its bits.
 """
 
 import functools
@@ -22,7 +23,8 @@ def probe(effects):
     Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     pair_contact = pair_contacts(effects, 1).pair_contact
     wall_contact = wall_contacts(effects, 1).wall_contact
-    pair_near, wall_near = shape(effects).pair_near, shape(effects).wall_near
+    s = shape(effects)
+    pair_near, wall_near = s.pair_near, s.wall_near
     channels = wp.constant(t.Losses._length_)
 
     @wp.func
@@ -45,9 +47,9 @@ def probe(effects):
     ):
         """Force on the first particle of every listed pair [N], and the loss of a step [J]; zero where they part."""
         k = wp.tid()
-        case = cases[group[c.owner[k]]]
         force[k] = vec3()
         lost[k] = wp.float64(0.0)
+        case = cases[group[c.owner[k]]]
         if pair_near(case, p, c, k, real(0.0)) == 1:
             f, _on_i, _on_j, _history, losses, _depth = pair_contact(case, p, c, k, case.dt, case.dt)
             force[k] = f
@@ -82,9 +84,10 @@ def probe(effects):
         lost[place] = wp.float64(0.0)
         case = cases[group[i]]
         wall = place - WALLS * i
-        if there(wall) and wall_near(case, p, c, i, wall) == 1:
-            f, _torque, _history, losses, _depth = wall_contact(case, p, c, place, case.dt, case.dt)
-            force[place] = f
-            lost[place] = total(losses)
+        if there(wall):
+            if wall_near(case, p, c, i, wall) == 1:
+                f, _torque, _history, losses, _depth = wall_contact(case, p, c, place, case.dt, case.dt)
+                force[place] = f
+                lost[place] = total(losses)
 
     return probe_pairs, probe_walls
