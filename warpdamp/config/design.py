@@ -27,10 +27,15 @@ class TargetConfig(Model):
     """
 
     damping: Annotated[Number, Field(gt=0, lt=1)] | None = None
+    """Least damping ratio wanted in every mode over the whole range."""
     modes: Annotated[list[ModeNumber], Field(min_length=1)] | None = None
+    """Numbers of the modes; left out: all that the structure names."""
     gamma: _span(Number) | None = None
+    """Range of the acceleration amplitude over g at the damper."""
     force: _span(Force) | None = None
+    """Range of the amplitude of a force at the damper, at resonance."""
     base: _span(Acceleration) | None = None
+    """Range of the acceleration amplitude of the structure's base, at resonance."""
 
     @property
     def over(self) -> str:
@@ -54,6 +59,7 @@ class Interval(Between):
     """Range of a variable; with ``step``, the values from its lower end on."""
 
     step: Quantity | None = None
+    """Distance of the values, from the lower end on; left out: any value between."""
 
 
 class LimitsConfig(Model):
@@ -64,16 +70,22 @@ class LimitsConfig(Model):
     """
 
     mass: Annotated[Mass, POSITIVE] | None = None
+    """Largest mass of the particles."""
     diameter: Annotated[Length, POSITIVE] | None = None
+    """Largest diameter of the cavity."""
     height: Annotated[Length, POSITIVE] | None = None
+    """Largest height of the cavity."""
     force: Annotated[Force, POSITIVE] | None = None
+    """Largest amplitude of the particles' force on the structure, at the frequency of the vibration."""
 
 
 class BudgetConfig(Model):
     """Where the search ends: cases simulated, or minutes of this command."""
 
     cases: Annotated[StrictInt, Field(ge=20)] | None = None
+    """Cases that may be simulated."""
     minutes: Annotated[float, POSITIVE] | None = None
+    """Minutes after which the search ends."""
 
     @model_validator(mode="after")
     def _some(self):
@@ -91,12 +103,19 @@ class DesignConfig(Model):
     """
 
     target: TargetConfig
+    """Performance wanted."""
     variables: Annotated[dict[str, Annotated[list[Scalar], Field(min_length=2)] | Interval], Field(min_length=1)]
+    """Scalars that are looked for, by their paths: a range, or a list of choices."""
     limits: LimitsConfig = LimitsConfig()
+    """What the damper must not exceed."""
     minimise: Literal["mass", "response"] | None = None
+    """Mass of the particles that meet the target, or the largest response over the range."""
     maximise: Literal["damping"] | None = None
+    """The least damping over the range, instead."""
     confidence: Annotated[Number, Field(ge=0.5, lt=1)] = 0.95
+    """Probability with which the target must be met."""
     budget: BudgetConfig = BudgetConfig(cases=400)
+    """Where the search ends."""
 
     @property
     def goal(self) -> str:
