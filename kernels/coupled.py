@@ -28,8 +28,8 @@ def coupled_stepper(effects, count: int):
     t = types(effects)
     real, vec3, Row = t.real, t.vec3, t.Row
     Case, Particle, Contacts, HostStructure = t.Case, t.Particle, t.Contacts, t.HostStructure
-    nearby_pairs, _, _ = pair_contacts(effects, count)
-    _, _, contained = wall_contacts(effects, count)
+    nearby_pairs = pair_contacts(effects, count).nearby_pairs
+    contained = wall_contacts(effects, count).contained
     contact_forces = forces_of_contacts(effects, count)
     _, integrate, kick = motion(effects)
     book = ledger(effects, count)

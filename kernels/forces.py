@@ -20,8 +20,8 @@ def forces_of_contacts(effects, count: int):
     t = types(effects)
     real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
     Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
-    _, pair_forces, _ = pair_contacts(effects, count)
-    wall_forces, _, _ = wall_contacts(effects, count)
+    pair_forces = pair_contacts(effects, count).pair_forces
+    wall_forces = wall_contacts(effects, count).wall_forces
     enclosure_phase, _, _ = motion(effects)
     book = ledger(effects, count)
     tally, add_impulses = book.tally, book.add_impulses

@@ -110,6 +110,9 @@ def structs(effects):
 
         position: vec3  # at n
         half_velocity: vec3  # at n - 1/2
+        if effects.spheroids:
+            axis: vec3  # unit vector, at n
+            half_momentum: vec3  # angular, at n - 1/2
         if effects.rotation:
             half_spin: vec3  # at n - 1/2
         if effects.dashpots:
@@ -125,6 +128,14 @@ def structs(effects):
         if not effects.alike:
             inverse_mass: real
             inverse_inertia: real
+        if effects.spheroids:
+            across2: real  # b^2 [m^2], b the semi-axis across the axis
+            excess: real  # a^2 - b^2 [m^2], a the one along it
+            reach: real  # the larger of them [m]
+            tilt: real  # |a - b|: longest lever of a normal [m]
+            flattest: real  # largest radius of curvature of its surface [m]
+            inverse_transverse: real  # 1 / I_t
+            inverse_axial: real  # 1 / I_a
         if effects.materials:
             species: wp.int32
 
@@ -137,6 +148,9 @@ def structs(effects):
             stretch: vec3  # of the tangential spring [m]
         if effects.rolling:
             roll: vec3  # of the rolling spring [m]
+        if effects.spheroids:
+            normal: vec3  # of the last step, or one that kept the two apart
+            arm: vec3  # from i's centre to the contact at the last step [m]
 
     @wp.struct
     class Contacts:
@@ -193,12 +207,57 @@ def structs(effects):
 
         overlap: real  # [m]; not positive: they are apart
         normal: vec3  # from the partner to i
-        distance: real  # of the centres, or of the centre and the wall [m]
-        arm_i: real  # distance of i's centre from the contact along the normal [m]
-        arm_j: real  # and of j's
+        if effects.spheroids:
+            place_i: vec3  # of the contact, from i's centre [m]
+            place_j: vec3  # and from j's
+            rolling_radius: real  # R* of the spheres of their volumes [m]
+            gradient: vec3  # force on i of the change of R* over half of the energy [1/m]
+            couple: vec3  # and its couple beside that force
+        else:
+            distance: real  # of the centres, or of the centre and the wall [m]
+            arm_i: real  # distance of i's centre from the contact along the normal [m]
+            arm_j: real  # and of j's
         radius: real  # R* [m]
         curvature: real  # 1 / R* [1/m]
         mass: real  # m* [kg]
+
+    @wp.struct
+    class Pose:
+        """Two spheroids as they lie; see ``support.py``."""
+
+        branch: vec3  # from j's centre to i's
+        axis_i: vec3
+        axis_j: vec3
+        across2_i: real  # b^2
+        across2_j: real
+        excess_i: real  # a^2 - b^2
+        excess_j: real
+
+    @wp.struct
+    class Facing:
+        """Two spheroids along a direction."""
+
+        normal: vec3
+        cosine_i: real  # with i's axis
+        cosine_j: real
+        along: real  # branch.normal
+        height_i: real
+        height_j: real
+        inverse_i: real  # 1 / height_i
+        inverse_j: real
+        gap: real
+
+    @wp.struct
+    class Bent:
+        """Sum of two spheroids' matrices of radii of curvature and of their gap, in the tangent plane."""
+
+        pp: real  # squares of the axes' parts in the plane, and their product
+        qq: real
+        pq: real
+        beta_i: real
+        beta_j: real
+        whole: real
+        determinant: real
 
     @wp.struct
     class Motion:
@@ -223,5 +282,8 @@ def structs(effects):
         HostStructure=HostStructure,
         Motion=Motion,
         Touch=Touch,
+        Pose=Pose,
+        Facing=Facing,
+        Bent=Bent,
         History=History,
     )

@@ -19,14 +19,18 @@ class CarriedConfig(Model):
     """Amplitudes run one after the other, each from the bed that the one before left, in the directions of ``path``."""
 
     path: Annotated[list[Literal["up", "down"]], Field(min_length=1)]
+    """Ways through the amplitudes, one after the other; each becomes a value of the dimension ``leg``."""
 
 
 class PreparationConfig(Model):
     """State that beds are brought to, or the path along which they are carried; one of the three."""
 
     clearance: swept(Length, _positive) | None = None
+    """Travel of the bed's centre of mass between rest on the floor and rest against the lid."""
     packing_fraction: swept(Number, Field(gt=0, lt=1)) | None = None
+    """Volume of the particles over that of the cavity less the clearance."""
     carried: CarriedConfig | None = None
+    """Each amplitude starts from the bed that the one before left."""
 
     @model_validator(mode="after")
     def _one(self):

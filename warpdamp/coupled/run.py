@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..config.build import bed as bed_of
-from ..config.build import grains, particle_mass, scene
+from ..config.build import grains, numerics_of, particle_mass, scene
 from ..config.preparation import carried_path
 from ..damper.case import Request
 from ..damper.preparation import prepare
@@ -21,7 +21,7 @@ from ..errors import PackingError, SimulationError
 from ..kernels.columns import KernelStatus
 from ..modal.from_config import amplitudes, with_further_masses
 from ..modal.from_config import modes as modes_of
-from ..numerics.timestep import Numerics, contact_step
+from ..numerics.timestep import contact_step
 from ..scene.effects import WALLS, covering
 from ..scene.host import HostStructure, Signal
 from ..scene.scene import Drive, Scene
@@ -170,7 +170,7 @@ def planned(config: Config) -> tuple[dict[tuple[int, int], Run], list[Signal | N
     moved = amplitudes(config, loaded)
     fastest = max(excitation.largest_speed(level, loaded, moved, own.duration) for level in hosts)
     reference = excitation.reference(own, modes)
-    numerics = Numerics(config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced())
+    numerics = numerics_of(config)
     drive = Drive(reference, 2 * math.pi * reference * fastest)
     longest = min(
         contact_step(still.driven(drive), bed, steps_per_contact=numerics.steps_per_contact)

@@ -22,7 +22,7 @@ from ..scene.particles import State, inverse_sphere_inertia
 from ..scene.scene import Scene
 from . import checks as guards
 from .arrays import Transfer
-from .device import DEVICE
+from .device import check_device
 from .hosts import HostStructures, shared
 from .ledger import Ledger
 
@@ -90,8 +90,6 @@ class Batch:
         What the kernels are compiled for.  None: all that the cases call for.
     skin : float
         Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results.
-    device : str
-        Where the batch runs.
     enclosures : sequence of int or None
         How many cases, one after the other, sit on one structure each, as (2, 1) of three cases: their scenes' hosts
         are the same but for ``amplitude``, and a force acts at the first of them.  None: each has its own.
@@ -110,20 +108,22 @@ class Batch:
         max_records: int = 0,
         effects: Effects | None = None,
         skin: float = SKIN,
-        device: str = DEVICE,
         enclosures: Sequence[int] | None = None,
     ):
         self.cases = list(cases)
         self._enclosures = shared(self.cases, enclosures)
         for case in self.cases:
             guards.check_values(case.state)
+            guards.check_shapes(case.scene, case.state)
         self.effects = effects or covering([called_for(case.scene, case.state) for case in self.cases])
         for case in self.cases:
             guards.check_walls(case.scene, self.effects)
         t = types(self.effects)
+        device = self.effects.device
+        check_device(device)
         self._types, self._device = t, device
         loop = stepper if all(self._enclosures) else coupled_stepper
-        self._advance, self._synchronise = loop(self.effects, lanes_for(self.effects, device))
+        self._advance, self._synchronise = loop(self.effects, lanes_for(self.effects))
         self._count_pairs, self._list_pairs = neighbour_search(self.effects)
 
         self._transfer = Transfer(t, [case.state for case in self.cases], device)
@@ -374,8 +374,6 @@ class Simulation(Batch):
     dt : step [s]
     effects : Effects or None
         What the kernels are compiled for.  None: what the scene calls for.
-    device : str
-        Where the simulation runs.
 
     Raises
     ------
@@ -398,10 +396,10 @@ class Simulation(Batch):
     True
     """
 
-    def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None, device: str = DEVICE):
+    def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None):
         guards.check_values(state)
         check_step(scene, state, dt)
-        super().__init__([Case(scene, state, dt)], effects=effects, device=device)
+        super().__init__([Case(scene, state, dt)], effects=effects)
         self._start = super().read()[0][1].rows
 
     def advance(self, steps: int) -> None:

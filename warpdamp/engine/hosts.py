@@ -10,7 +10,6 @@ import numpy as np
 import warp as wp
 
 from ..scene.host import HostStructure
-from .device import DEVICE
 
 if TYPE_CHECKING:
     from .batch import Case
@@ -112,7 +111,7 @@ class HostStructures:
             "sample_step": signal.sample_step if samples else dt,
         }
 
-    def on_device(self, types, device: str = DEVICE):
+    def on_device(self, types, device: str):
         """Struct of the host structures of all cases on the device."""
         host = types.HostStructure()
         host.count = len(self.modes)

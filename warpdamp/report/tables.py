@@ -222,8 +222,7 @@ def verdicts(dataset: xr.Dataset, *, quick: bool = False) -> list[str]:
         )
     if "ledger_residual" not in dataset:
         return lines
-    stopped = dataset["compaction_settled"] == 0
-    if stopped.any():
+    if "compaction_settled" in dataset and (stopped := dataset["compaction_settled"] == 0).any():
         of_drive = [dim for dim in ("frequency", "gamma") if dim in stopped.dims]
         count = int(stopped.any(of_drive).sum())
         beds, was = ("bed", "was") if count == 1 else ("beds", "were")

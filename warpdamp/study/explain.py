@@ -60,7 +60,7 @@ class Explanation:
 def effects_of(config: Config, spec: Spec) -> list[Explanation]:
     """Explanations of all effects of a case."""
     effects = spec.effects
-    called = called_for(spec.scene, spec.bed.grains, precision=effects.precision)
+    called = called_for(spec.scene, spec.bed.grains, precision=effects.precision, device=effects.device)
     forced = dict(spec.bed.numerics.forced)
     explained = []
     for name in (name for name, effect in EFFECTS.items() if effect.keys):
@@ -169,7 +169,7 @@ def _effects_table(config, spec):
 
 
 def _precision(effects: Effects) -> str:
-    return f"  motion in {effects.precision}, energies in float64"
+    return f"  motion in {effects.precision}, energies in float64, on the device {effects.device}"
 
 
 def _steps(plan: Plan, numbers):
