@@ -92,3 +92,20 @@ def test_the_schema_has_words_and_states():
     }
     assert nodes["words"]["enum"] == ["loose", "compacted", "carried"]
     assert "#/$defs/PreparationConfig" in nodes
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (
+            "clearance: 18 mm",
+            "18 mm: the particles of damper fill 0.387 of it, and packed as densely as .* leave 11.9 mm",
+        ),
+        ("packing_fraction: 0.3", "0.3: the particles of damper fill 0.387 of it at least, and 0.74 is the densest"),
+        ("packing_fraction: 0.8", "0.8: the particles of damper fill 0.387"),
+        ("clearance: [2 mm, 20 mm]", "preparation.clearance: 20 mm"),
+    ],
+)
+def test_what_no_bed_can_have_is_refused_before_one_is_made(study, asked, said):
+    with pytest.raises(ConfigError, match=said):
+        study(f"{{{asked}}}")
