@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+from threadpoolctl import threadpool_limits
 
 from ..analysis.emulator import Emulator
 from ..errors import UsageError
@@ -22,7 +23,8 @@ from .apparent_mass import require_modes
 from .damping import damping_of_effectiveness
 from .measured import Measured
 
-POINTS = 4096
+POINTS = 2048
+CHUNK = 256
 REGION = 0.95
 
 
@@ -123,23 +125,29 @@ def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None
     points = low + (high - low) * qmc.Sobol(len(scalars), seed=np.random.default_rng(5)).random(POINTS)
     inputs = _inputs(emulator, scalars, modes["natural_frequency"], measured.gamma[used])
 
-    def predicted(theta):
-        mean, covariance = emulator.process.joint(inputs(theta))
-        scatter = emulator.process.scatter(inputs(theta))
+    def predicted(thetas):
+        """Damping (k, p) at the measured points, and its covariances (k, p, p), of scalars (k, d)."""
+        at = np.array([inputs(theta) for theta in thetas])
+        mean, covariance = emulator.process.joints(at)
+        scatter = emulator.process.scatter(at.reshape(-1, at.shape[-1])).reshape(mean.shape)
         effect = per_effect * np.exp(mean)
-        own = (effect**2) * (scatter**2 + LOOSE_MEMORY**2)
-        return effect + modes["inherent_damping"], np.outer(effect, effect) * covariance + np.diag(own)
+        own = effect**2 * (scatter**2 + LOOSE_MEMORY**2)
+        covariance = effect[:, :, None] * effect[:, None, :] * covariance + own[:, :, None] * np.eye(len(value))
+        return effect + modes["inherent_damping"], covariance
 
-    def model(theta):
-        zeta, covariance = predicted(theta)
+    def likelihoods(thetas):
+        """Logarithms of the likelihood (k,), and damping (k, p), of scalars (k, d)."""
+        zeta, covariance = predicted(thetas)
         lower = np.linalg.cholesky(covariance + np.diag(error**2))
-        white = np.linalg.solve(lower, value - zeta)
-        return float(-0.5 * white @ white - np.sum(np.log(np.diag(lower))))
+        white = np.linalg.solve(lower, (value - zeta)[:, :, None])[:, :, 0]
+        spread = np.sum(np.log(np.diagonal(lower, axis1=1, axis2=2)), axis=1)
+        return -0.5 * np.sum(white**2, axis=1) - spread, zeta
 
-    likelihood = np.array([model(theta) for theta in points])
+    with threadpool_limits(1):
+        parts = [likelihoods(points[k : k + CHUNK]) for k in range(0, POINTS, CHUNK)]
+    likelihood, every = (np.concatenate(part) for part in zip(*parts, strict=True))
     weights = np.exp(likelihood - likelihood.max())
     weights /= weights.sum()
-    every = np.array([predicted(theta)[0] for theta in points])
     mean = weights @ every
     return Posterior(
         [axis.name for axis in scalars],
@@ -149,7 +157,7 @@ def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None
         mean,
         np.sqrt(weights @ (every - mean) ** 2),
         np.std(every, axis=0),
-        model,
+        lambda theta: float(likelihoods(theta[None])[0][0]),
     )
 
 
