@@ -10,7 +10,9 @@ It is taken at points of a low-discrepancy set, with their weights: no chain has
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -88,7 +90,13 @@ class Posterior:
         return bool(self.model(np.asarray(values, float)) >= self.threshold)
 
 
-def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None = None) -> Posterior:
+def calibrate(
+    dataset: xr.Dataset,
+    measured: Measured,
+    emulator: Emulator | None = None,
+    *,
+    known: Mapping[str, float] = MappingProxyType({}),
+) -> Posterior:
     """Posterior of the scalars that results were swept over.
 
     Parameters
@@ -99,6 +107,8 @@ def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None
         Damping ratios with their standard errors.
     emulator : Emulator, optional
         Of the results (default: made here).
+    known : mapping, optional
+        Values of swept scalars that are known, by name: the others are calibrated.
 
     Raises
     ------
@@ -109,7 +119,8 @@ def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None
 
     require_modes(dataset)
     emulator = emulator or Emulator(dataset)
-    scalars = [axis for axis in emulator.inputs if axis.name not in ("frequency", "gamma") and axis.low < axis.high]
+    swept = [axis for axis in emulator.inputs if axis.name not in ("frequency", "gamma") and axis.low < axis.high]
+    scalars = [axis for axis in swept if axis.name not in known]
     if not scalars:
         raise UsageError("nothing to calibrate: the results were swept over nothing, as contact.friction: [0.2, 0.5]")
     mass = np.unique(dataset["particle_mass"].values)
@@ -123,7 +134,7 @@ def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None
     per_effect = damping_of_effectiveness(1.0, float(mass[0]), modes["mode_amplitude"])
     low, high = (np.array([getattr(axis, end) for axis in scalars]) for end in ("low", "high"))
     points = low + (high - low) * qmc.Sobol(len(scalars), seed=np.random.default_rng(5)).random(POINTS)
-    inputs = _inputs(emulator, scalars, modes["natural_frequency"], measured.gamma[used])
+    inputs = _inputs(emulator, scalars, dict(known), modes["natural_frequency"], measured.gamma[used])
 
     def predicted(thetas):
         """Damping (k, p) at the measured points, and its covariances (k, p, p), of scalars (k, d)."""
@@ -171,11 +182,12 @@ def _of_modes(dataset: xr.Dataset, numbers: np.ndarray) -> dict[str, np.ndarray]
     return found
 
 
-def _inputs(emulator: Emulator, scalars, frequency: np.ndarray, gamma: np.ndarray):
+def _inputs(emulator: Emulator, scalars, known: dict, frequency: np.ndarray, gamma: np.ndarray):
     """Function of the scalars' values (d,) that gives points (p, inputs) of the emulator's process."""
 
     def at(theta) -> np.ndarray:
         values = {axis.name: np.full(len(gamma), x) for axis, x in zip(scalars, theta, strict=True)}
+        values |= {name: np.full(len(gamma), x) for name, x in known.items()}
         values |= {"frequency": frequency, "gamma": gamma}
         fixed = {axis.name: np.full(len(gamma), axis.low) for axis in emulator.inputs if axis.name not in values}
         return emulator.points(np.stack([(values | fixed)[name] for name in emulator.names], axis=1))
