@@ -12,8 +12,7 @@ import numpy as np
 import warp as wp
 
 from ..kernels.structs import WALLS
-from ..scene.particles import ContactHistory, State, inverse_sphere_inertia
-from .device import DEVICE
+from ..scene.particles import ContactHistory, State
 
 FEWEST_ORDERED = 1000
 """Smaller beds lie in the processor's cache however they are numbered, and keep their own order."""
@@ -45,7 +44,7 @@ class Transfer:
     device : where the arrays lie
     """
 
-    def __init__(self, types, states: list[State], device: str = DEVICE):
+    def __init__(self, types, states: list[State], device: str):
         self.types = types
         self.device = device
         self.states = states
@@ -67,17 +66,13 @@ class Transfer:
     def particles(self, masses: list[np.ndarray]) -> wp.array:
         """Array of particles, of the given ``masses`` in each case [kg]."""
         particles = np.zeros(len(self), dtype=self.types.Particle.numpy_dtype())
-        radius = [s.radius for s in self.states]
+        constants = [state.constants(mass) for state, mass in zip(self.states, masses, strict=True)]
         for name in particles.dtype.names:
-            if name == "inverse_mass":
-                values = [1 / m for m in masses]
-            elif name == "inverse_inertia":
-                values = [inverse_sphere_inertia(m, r) for m, r in zip(masses, radius, strict=True)]
-            elif name in ("force", "torque", "listed"):
-                continue
-            else:
-                values = [getattr(s, name.removeprefix("half_")) for s in self.states]
-            self._set(particles[name], values)
+            plain = name.removeprefix("half_")
+            if name in constants[0]:
+                self._set(particles[name], [values[name] for values in constants])
+            elif hasattr(self.states[0], plain):
+                self._set(particles[name], [getattr(state, plain) for state in self.states])
         return self.array(particles, self.types.Particle)
 
     def contacts(self, laws: dict[str, list]):
@@ -128,11 +123,13 @@ class Transfer:
             spin=of_particles("half_spin", before.spin),
             radius=before.radius.copy(),
             species=before.species.copy(),
+            axis=of_particles("axis", before.axis),
+            aspect=before.aspect.copy(),
             wall_history=wall_history,
-            **self._touching(k, contacts),
+            **self._touching(k, particles, contacts),
         )
 
-    def _touching(self, k: int, contacts) -> dict:
+    def _touching(self, k: int, particles, contacts) -> dict:
         """The pairs of case ``k`` that touch, and what they remember."""
         if "pair" not in self.types.Contacts.vars:
             return {}
@@ -142,7 +139,9 @@ class Transfer:
         rows = start[0] + np.flatnonzero(memory["radius"][start[0] : start[-1]] > 0)
         numbers = np.stack([contacts.owner.numpy()[rows], contacts.partner.numpy()[rows]], axis=1)
         pairs = self.order[k][numbers - first]
-        history = _recalled(memory, rows).seen_from_the_other(pairs[:, 0] > pairs[:, 1])
+        position = particles.numpy()["position"]
+        between = position[numbers[:, 0]] - position[numbers[:, 1]] if "arm" in memory.dtype.names else None
+        history = _recalled(memory, rows).seen_from_the_other(pairs[:, 0] > pairs[:, 1], between)
         return {"pairs": np.sort(pairs, axis=1), "pair_history": history}
 
 
@@ -158,7 +157,8 @@ def _numbered(state: State, order: np.ndarray) -> tuple[np.ndarray, ContactHisto
     """The contacts of a state in the device's numbers and order: pairs and histories."""
     number = np.argsort(order)
     pairs = number[state.pairs]
-    history = state.pair_history.seen_from_the_other(pairs[:, 0] > pairs[:, 1])
+    between = state.position[state.pairs[:, 0]] - state.position[state.pairs[:, 1]]
+    history = state.pair_history.seen_from_the_other(pairs[:, 0] > pairs[:, 1], between)
     pairs = np.sort(pairs, axis=1)
     rows = np.lexsort((pairs[:, 1], pairs[:, 0]))
     return pairs[rows], history[rows]

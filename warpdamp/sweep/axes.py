@@ -35,6 +35,7 @@ _LONG_NAMES = {
     "gamma": "acceleration amplitude over g",
     "seeds": "seed of the packing",
     "preparation": "how the bed was prepared",
+    "aspect": "aspect of spheroids, along over across their axis",
 }
 _CF_UNITS = {"": "1", "kg/m^3": "kg m-3", "m/s^2": "m s-2"}
 
