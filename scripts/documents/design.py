@@ -400,8 +400,8 @@ TEXT = {
     "problems": "Beams, plates and modes in numbers, 20-2000 Hz, Γ 0.5-20, limits of mass; a quarter ask for more "
     "than an ideal damper of the allowed mass gives. `python scripts/documents/design.py problems` solves all, "
     "`problems 3 7` those named.",
-    "open": "Not run: the mass beside a brute force of 2,000 cases; a second optimiser (PyBADS, optuna); the time on two "
-    "free cores. The script can solve all twenty problems; what is not in the table above has not been run.",
+    "open": "Not run: the mass beside a brute force of 2,000 cases; a second optimiser (PyBADS, optuna); the time on "
+    "two free cores. The script can solve all twenty problems; what is not in the table above has not been run.",
 }
 
 
@@ -409,7 +409,7 @@ def document() -> None:
     """Write the document from what is there."""
     blocks = [
         f"{head('Design, emulator, calibration', __file__)} from docs/emulator_*.nc, docs/design-example.txt and "
-        f"docs/design-problems.json; how to use them is in [designing.md](designing.md).",
+        f"docs/design-problems.json; how to use them is in [howto/design-a-damper.md](howto/design-a-damper.md).",
         f"Written on: {machine()}.",
         "## Emulator on cases that it has not seen",
         emulator_section(),
