@@ -70,7 +70,10 @@ class LimitsConfig(Model):
 
 
 class BudgetConfig(Model):
-    """Where the search ends: cases simulated, or minutes of this command."""
+    """Where the search ends: cases simulated, or minutes of this command.
+
+    Simulating again what it found comes on top.
+    """
 
     cases: Annotated[StrictInt, Field(ge=20)] | None = None
     minutes: Annotated[float, POSITIVE] | None = None
