@@ -18,7 +18,7 @@ from warpdamp.design.search import Search
 from warpdamp.modal.damping import damping_of_effectiveness
 from warpdamp.report.design import lines, picture
 
-PACKING, NOISE = 0.55, 0.04
+PACKING, NOISE = 0.52, 0.04
 
 STUDY = """\
 structure:
