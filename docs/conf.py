@@ -69,6 +69,7 @@ html_theme = "pydata_sphinx_theme"
 html_title = "warpdamp"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = ["site.js"]
 html_show_sourcelink = False
 html_theme_options = {
     "navbar_end": ["theme-switcher"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tempfile
 from collections.abc import Callable
@@ -209,16 +210,23 @@ def _stored(cases: Cases, dataset: xr.Dataset, number: int) -> dict:
 
 
 def _most_effective(cases: Cases, dataset: xr.Dataset, numbers: np.ndarray) -> int:
-    """Number of the case of largest effectiveness among some; the first, if none has any."""
-    value = [_stored(cases, dataset, int(n)).get("effectiveness", np.nan) for n in numbers]
+    """Number of the case of largest effectiveness among some that did not fail; the first, if none has any."""
+    stored = [_stored(cases, dataset, int(n)) for n in numbers]
+    value = [math.nan if _failed(own) else own.get("effectiveness", math.nan) for own in stored]
     return int(numbers[int(np.argmax(np.nan_to_num(value, nan=-1.0)))])
+
+
+def _failed(values: dict) -> bool:
+    """Whether a case stopped before its end, or was not run."""
+    status = Status(int(values["status"]))
+    return status == Status.NOT_RUN or status in WITHOUT_FILM or status >= Status.FAILED
 
 
 def _refuse_failed(name: str, values: dict) -> None:
     status = Status(int(values["status"]))
     if status == Status.NOT_RUN:
         raise UsageError(f"the results have no case at {name}: it was not run")
-    if status in WITHOUT_FILM or status >= Status.FAILED:
+    if _failed(values):
         why = values.get("message") or status.meaning
         raise SimulationError(f"the case at {name} had failed, there is nothing to film: {why}")
 

@@ -50,7 +50,7 @@ async function filmPlayer(root, film) {
   const dial = h("div", {}), curve = h("div", {});
   root.replaceChildren(
     h("div", {}, canvas, h("div", { class: "play" }, play, slider), h("div", { class: "bar" }, least, strip, most),
-      h("div", { class: "controls" }, h("label", {}, "Colour by", which), h("label", { class: "check" }, forces, "Contact forces"),
+      h("div", { class: "controls" }, h("label", {}, "Colour by", which), h("label", { class: "check" }, forces, `Contact forces (thickest: ${shown(film.strongest)} N)`),
         h("label", { class: "check" }, moving, "Cavity moves"), reset),
       h("p", { class: "quiet" }, "Drag or use the arrow keys to turn, the wheel or + and − to zoom.")),
     h("div", {}, h("h2", { class: "small" }, "Phase of the drive"), dial, clock, h("h2", { class: "small" }, "Effectiveness, cycle by cycle"), curve,
@@ -79,14 +79,18 @@ async function filmPlayer(root, film) {
     pen.setTransform(1, 0, 0, 1, 0, 0);
     pen.clearRect(0, 0, side, side);
 
+    const outline = () => {
+      pen.lineWidth = Math.max(1, side / 500);
+      pen.strokeStyle = "#8b97a4";
+    };
     const rim = (z) => {
       const [x, y] = seen([0, 0, z]);
+      outline();
       pen.beginPath();
       pen.ellipse(x, y, size * cavity.radius, size * cavity.radius * Math.abs(se), 0, 0, 2 * Math.PI);
       pen.stroke();
     };
-    pen.lineWidth = Math.max(1, side / 500);
-    pen.strokeStyle = "#8b97a4";
+    outline();
     if (cavity.side) {
       for (const sign of [-1, 1]) {
         const foot = seen([sign * ct * cavity.radius, sign * st * cavity.radius, 0]);
@@ -155,7 +159,7 @@ async function filmPlayer(root, film) {
     const points = Array.from({ length: 61 }, (_, k) => ({ x: k * 6, y: film.drive.displacement * Math.sin((k * Math.PI) / 30) }));
     hand = lineChart(dial, {
       label: `displacement of the cavity over one cycle of the drive, amplitude ${shown(film.drive.displacement)} mm`,
-      x: { label: "phase [°]", ticks: [0, 90, 180, 270, 360] }, y: { label: "[mm]" }, height: 150,
+      x: { label: "phase [°]", ticks: [0, 90, 180, 270, 360] }, y: { label: "cavity [mm]" }, height: 160,
       series: [{ name: "displacement", points, dots: false }],
     });
     const cycles = film.effectiveness.map((y, k) => ({ x: k + 1, y, hollow: k < film.discarded }));
