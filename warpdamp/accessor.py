@@ -94,7 +94,7 @@ class Damper:
         >>> emulator = open_results("docs/beam.nc").damper.emulator()
         >>> emulator.names
         ['frequency', 'gamma']
-        >>> at = emulator.predict(frequency=37.6, gamma=[4.0, 40.0])
+        >>> at = emulator.predict(frequency=40.0, gamma=[4.0, 40.0])
         >>> at["trusted"].values.tolist()
         [1, 0]
         """

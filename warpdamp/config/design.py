@@ -27,9 +27,9 @@ class TargetConfig(Model):
     """
 
     damping: Annotated[Number, Field(gt=0, lt=1)] | None = None
-    """Least damping ratio wanted in every mode over the whole range."""
+    """Damping ratio wanted, with what the bare structure has."""
     modes: Annotated[list[ModeNumber], Field(min_length=1)] | None = None
-    """Numbers of the modes; left out: all that the structure names."""
+    """Numbers of the modes that must have it; all of the structure's unless given."""
     gamma: _span(Number) | None = None
     """Range of the acceleration amplitude over g at the damper."""
     force: _span(Force) | None = None
@@ -59,7 +59,7 @@ class Interval(Between):
     """Range of a variable; with ``step``, the values from its lower end on."""
 
     step: Quantity | None = None
-    """Distance of the values, from the lower end on; left out: any value between."""
+    """Distance of the values, from the lower end on; none for a continuous range."""
 
 
 class LimitsConfig(Model):
@@ -70,22 +70,25 @@ class LimitsConfig(Model):
     """
 
     mass: Annotated[Mass, POSITIVE] | None = None
-    """Largest mass of the particles."""
+    """Mass of the particles, at the most."""
     diameter: Annotated[Length, POSITIVE] | None = None
-    """Largest diameter of the cavity."""
+    """Diameter of the cavity, at the most."""
     height: Annotated[Length, POSITIVE] | None = None
-    """Largest height of the cavity."""
+    """Height of the cavity, at the most."""
     force: Annotated[Force, POSITIVE] | None = None
-    """Largest amplitude of the particles' force on the structure, at the frequency of the vibration."""
+    """Amplitude of the particles' force on the structure, at the frequency of the vibration, at the most."""
 
 
 class BudgetConfig(Model):
-    """Where the search ends: cases simulated, or minutes of this command."""
+    """Where the search ends: cases simulated, or minutes of this command.
+
+    Simulating again what it found comes on top.
+    """
 
     cases: Annotated[StrictInt, Field(ge=20)] | None = None
-    """Cases that may be simulated."""
+    """Cases of the search."""
     minutes: Annotated[float, POSITIVE] | None = None
-    """Minutes after which the search ends."""
+    """Minutes of this command."""
 
     @model_validator(mode="after")
     def _some(self):
@@ -105,15 +108,15 @@ class DesignConfig(Model):
     target: TargetConfig
     """Performance wanted."""
     variables: Annotated[dict[str, Annotated[list[Scalar], Field(min_length=2)] | Interval], Field(min_length=1)]
-    """Scalars that are looked for, by their paths: a range, or a list of choices."""
+    """Scalars that are chosen, by their paths as in a sweep: ranges, or lists of choices."""
     limits: LimitsConfig = LimitsConfig()
     """What the damper must not exceed."""
     minimise: Literal["mass", "response"] | None = None
-    """Mass of the particles that meet the target, or the largest response over the range."""
+    """The mass of the particles, or the largest response over the range; mass unless given."""
     maximise: Literal["damping"] | None = None
-    """The least damping over the range, instead."""
+    """The least damping over the range, in place of a mass."""
     confidence: Annotated[Number, Field(ge=0.5, lt=1)] = 0.95
-    """Probability with which the target must be met."""
+    """Probability of meeting the target that a damper must have to be claimed."""
     budget: BudgetConfig = BudgetConfig(cases=400)
     """Where the search ends."""
 
