@@ -146,10 +146,11 @@ def _runs(config: Config) -> tuple[dict[tuple[int, int], Run], list[Signal | Non
     longest = contact_step(base.driven(drive), beds, steps_per_contact=numerics.steps_per_contact)
     dt, between = _step(reference, excitation.content(own, signals[0]), longest)
     steps = math.ceil(own.duration / dt)
+    rest = scene(config.while_made())
     runs = {}
     for i, host in enumerate(hosts):
         for j, seed in enumerate(config.seeds):
-            request = Request(base, beds, seed, numerics=numerics, **bed(config))
+            request = Request(rest, beds, seed, numerics=numerics, **bed(config))
             runs[i, j] = Run(request, base.on_host(replace(host, record=between)), dt, steps)
     return runs, signals
 
