@@ -9,7 +9,7 @@ from scipy.spatial.distance import pdist
 from conftest import ROOT
 from warpdamp import Cylinder, Grains, Material, PackingError, Request, Scene, State, Surface, prepare
 from warpdamp.damper import compaction, settling
-from warpdamp.damper.case import REACHED, SOFT_OVERLAP, WINDOW
+from warpdamp.damper.case import PATIENCE, REACHED, SOFT_OVERLAP
 from warpdamp.damper.compaction import (
     frictionless,
     measured_clearance,
@@ -148,14 +148,14 @@ def test_a_clearance_of_half_the_cavity_doubles_the_packing_fraction():
     assert packing_fraction(PAPER.radius, CAVITY, 0.02) == pytest.approx(2 * part, rel=1e-12)
 
 
-def test_shaking_ends_when_the_mean_clearance_no_longer_rises():
-    still, least = [1.0] * WINDOW, 0.1
-    assert not no_longer_rises([1.0] * (2 * WINDOW - 1), least)  # too few to tell
-    assert no_longer_rises(still + still, least)
-    assert no_longer_rises([*still, *np.add(still, 0.99 * least)], least)
-    assert not no_longer_rises([*still, *np.add(still, 1.01 * least)], least)
-    assert no_longer_rises([*np.add(still, 1.0), *still], least)
-    assert not no_longer_rises([9.0, *still, *np.add(still, 0.2)], least)  # what was before does not count
+def test_shaking_ends_when_no_clearance_is_larger_any_more():
+    still, least = [1.0] * PATIENCE, 0.1
+    assert not no_longer_rises(still, least)  # too few to tell
+    assert no_longer_rises([1.0, *still], least)
+    assert no_longer_rises([1.0, *still[1:], 1.0 + 0.99 * least], least)
+    assert not no_longer_rises([1.0, *still[1:], 1.0 + 1.01 * least], least)
+    assert not no_longer_rises([1.0, 1.0 + 1.01 * least, *still[1:]], least)
+    assert no_longer_rises([2.0, *still], least)  # the largest counts, not the last
 
 
 def test_friction_is_off_while_a_bed_is_compacted_and_restitution_stays(make_scene):
@@ -171,7 +171,7 @@ def test_friction_is_off_while_a_bed_is_compacted_and_restitution_stays(make_sce
 def test_moduli_are_lowered_to_the_overlap_allowed_and_never_raised(make_scene, modulus):
     scene = make_scene(enclosure=CAVITY, gravity=(0, 0, -9.81), material=Material(920, modulus, 0.37))
     state = State.at_rest(separate(PAPER.radius, CAVITY, 1), RADIUS)
-    speed = expected_speed(scene.driven(shaking(scene, state.radius, compaction.SHAKING_AMPLITUDE)), state.radius)
+    speed = expected_speed(scene.driven(shaking(scene, state.radius)), state.radius)
     soft = compaction.soft_contacts(scene, state)
     wanted = max(SOFT_OVERLAP, impact_overlap(scene, speed))
     assert impact_overlap(soft, speed) == pytest.approx(wanted, rel=1e-9)
@@ -180,7 +180,7 @@ def test_moduli_are_lowered_to_the_overlap_allowed_and_never_raised(make_scene, 
 def test_a_compacted_bed_has_more_clearance_than_a_loose_one_and_says_how_it_ended(small):
     loose, compacted = (prepare(Request(small(), SMALL, 1, how)) for how in ("loose", "compacted"))
     assert (loose.blocks, loose.settled) == (0, True)
-    assert 2 * WINDOW <= compacted.blocks <= compaction.MOST_BLOCKS
+    assert PATIENCE < compacted.blocks <= compaction.MOST_BLOCKS
     assert compacted.settled
     assert np.abs(compacted.state.velocity).max() < 0.02
     assert compacted.clearance > loose.clearance
@@ -188,10 +188,10 @@ def test_a_compacted_bed_has_more_clearance_than_a_loose_one_and_says_how_it_end
 
 
 def test_a_bed_that_still_rises_after_the_last_block_says_so(small, monkeypatch, caplog):
-    monkeypatch.setattr(compaction, "MOST_BLOCKS", 2 * WINDOW - 1)  # too few to tell
+    monkeypatch.setattr(compaction, "MOST_BLOCKS", PATIENCE)  # too few to tell
     bed = prepare(Request(small(), SMALL, 2, "compacted"))
     assert not bed.settled
-    assert f"still compacting after {2 * WINDOW - 1} blocks" in caplog.text
+    assert f"still compacting after {PATIENCE} blocks" in caplog.text
 
 
 def test_an_open_cup_is_compacted_by_its_height(small):

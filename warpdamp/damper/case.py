@@ -22,10 +22,10 @@ GROWN = 1.003
 """Beds are made with radii this much larger, so that the true ones start apart and release no energy."""
 
 SHAKING_GAMMA = 6.0
-SHAKING_AMPLITUDE, SHAKING_CYCLES = 0.22, 12  # of a diameter, without friction
-KEEPING_AMPLITUDE, KEEPING_CYCLES = 0.1, 4  # of a diameter, with friction
-WINDOW, MOST_BLOCKS = 2, 20
-STILL = 0.02  # of a diameter
+SHAKING_AMPLITUDE = 0.11  # of a diameter
+SHAKING_CYCLES, KEEPING_CYCLES = 24, 4  # without and with friction
+PATIENCE, MOST_BLOCKS = 5, 24
+STILL = 0.01  # of a diameter
 SOFT_OVERLAP = 0.02  # of the reduced radius
 
 REACHED = 5e-5
@@ -39,8 +39,8 @@ MILDER, MILDEST = 0.9, 1.5
 which shaking hardly changes a bed."""
 
 RECIPE = (
-    *(GROWN, SHAKING_GAMMA, SHAKING_AMPLITUDE, SHAKING_CYCLES, KEEPING_AMPLITUDE, KEEPING_CYCLES),
-    *(WINDOW, MOST_BLOCKS, STILL, SOFT_OVERLAP, REACHED, MOST_TRIES, MILDER, MILDEST),
+    *(GROWN, SHAKING_GAMMA, SHAKING_AMPLITUDE, SHAKING_CYCLES, KEEPING_CYCLES),
+    *(PATIENCE, MOST_BLOCKS, STILL, SOFT_OVERLAP, REACHED, MOST_TRIES, MILDER, MILDEST),
 )
 """A part of every bed's key, so that beds made by another recipe are not taken for these."""
 
