@@ -47,10 +47,10 @@ def test_the_block_is_where_the_made_up_optimum_is():
 
 
 def test_effects_are_what_they_are_within_their_intervals():
-    """Of 30 studies: 95 % intervals hold the truth in at least 26 (of 30 at 95 %, fewer come once in 50); pulls have no bias."""
+    """Of 12 studies: 95 % intervals hold the truth in at least 9 (fewer come once in 500); pulls have no bias."""
     rng = np.random.default_rng(0)
     inside, pulls = {"gamma_collision": 0, "effectiveness_collision": 0}, []
-    for _ in range(30):
+    for _ in range(12):
         found = effect_of(made(rng, [1, 2, 4], place=0.1, height=-0.08), "contact.friction")
         assert found.attrs["per"] == "doubling"
         for name, truth in (("gamma_collision", 0.1), ("effectiveness_collision", -0.08)):
@@ -59,18 +59,18 @@ def test_effects_are_what_they_are_within_their_intervals():
             pulls.append(float((at["exponent"] - truth) / at["exponent_standard_error"]))
             if abs(at["exponent"]) >= 3 * at["exponent_standard_error"]:
                 assert at["verdict"] == ("higher" if truth > 0 else "lower")
-    assert min(inside.values()) >= 26, inside
-    assert abs(np.median(pulls)) < 0.6
+    assert min(inside.values()) >= 9, inside
+    assert abs(np.median(pulls)) < 0.8
 
 
 def test_what_has_no_effect_is_seldom_called_one():
-    """Of 30 studies of nothing at most 3 of each response are called higher or lower: at 3 errors of 5 degrees it is 3 %."""
+    """Of 12 studies of nothing at most 2 of each response are called higher or lower: 3 errors of 5 degrees are 3 %."""
     rng = np.random.default_rng(1)
-    verdicts = [effect_of(made(rng, [1, 2, 4]), "friction")["verdict"] for _ in range(30)]
+    verdicts = [effect_of(made(rng, [1, 2, 4]), "friction")["verdict"] for _ in range(12)]
     for name in RESPONSES[2:]:
         called = [str(v.sel(response=name).item()) for v in verdicts]
-        assert sum(v in ("higher", "lower") for v in called) <= 3
-        assert called.count("not affected") >= 20, called
+        assert sum(v in ("higher", "lower") for v in called) <= 2
+        assert called.count("not affected") >= 8, called
 
 
 def test_pairing_takes_out_what_packings_have_in_common():
@@ -145,7 +145,9 @@ def test_holm():
 
 def test_factors_that_are_none_are_named():
     data = made(np.random.default_rng(7), [1, 2])
-    with pytest.raises(UsageError, match=r"'fraction' is not one factor of these results: take one of contact.friction"):
+    with pytest.raises(
+        UsageError, match=r"'fraction' is not one factor of these results: take one of contact.friction"
+    ):
         Damper(data).effect_of("fraction")
     with pytest.raises(UsageError, match="two levels and three packings, got 2 and 2"):
         effect_of(data.isel(seed=[0, 1]), "friction")

@@ -293,10 +293,11 @@ def _curve(dataset: xr.Dataset, dim: str, scale: Scale) -> xr.Dataset:
 
     eps = dataset["effectiveness"]
     logs = np.log(eps.where(eps.mean("seed") > SMALLEST)).transpose(..., "seed", dim)
-    x = np.where(np.isfinite(logs.values).all(axis=-2, keepdims=True), scale.x, np.nan)
-    x = x - np.nanmean(np.where(np.isfinite(x), x, np.nan), axis=-1, keepdims=True) if np.isfinite(x).any() else x
-    slope = np.nansum(x * logs.values, axis=-1) / np.nansum(x**2, axis=-1)
-    slope[np.broadcast_to(np.isfinite(x).sum(axis=-1) < 2, slope.shape)] = np.nan
+    everywhere = np.isfinite(logs.values).all(axis=-2, keepdims=True)
+    count = everywhere.sum(axis=-1, keepdims=True)
+    x = np.where(everywhere, scale.x - (everywhere * scale.x).sum(axis=-1, keepdims=True) / np.maximum(count, 1), 0.0)
+    square = np.where(count > 1, (x**2).sum(axis=-1, keepdims=True), np.nan)
+    slope = np.sum(x / square * np.where(everywhere, logs.values, 0.0), axis=-1)
     n = slope.shape[-1]
     mean, error = slope.mean(axis=-1), slope.std(axis=-1, ddof=1) / math.sqrt(n)
     width = float(t.ppf(0.975, n - 1)) * error

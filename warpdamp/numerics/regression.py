@@ -181,8 +181,16 @@ def _maxima(gamma, mean, spread, draws) -> list[Maximum]:
         heights = draws[np.flatnonzero(inside), at[inside]]
         step = gamma[min(k + 1, len(gamma) - 1)] - gamma[k]  # the fine grid's own uncertainty
         error = math.hypot(float(np.std(where)), step / math.sqrt(12))
-        result.append(Maximum(float(gamma[k]), error, float(mean[k]), float(np.std(heights)), float(inside.mean())))
+        top, height = _vertex(np.sqrt(gamma[k - 1 : k + 2]), mean[k - 1 : k + 2])
+        result.append(Maximum(top**2, error, height, float(np.std(heights)), float(inside.mean())))
     return result
+
+
+def _vertex(x, y) -> tuple[float, float]:
+    """Top of the parabola through three points, evenly spaced, of which the middle one is the highest."""
+    below, above = y[1] - y[0], y[1] - y[2]
+    part = 0.5 * (below - above) / (below + above)
+    return float(x[1] + part * (x[2] - x[1])), float(y[1] + 0.25 * (below - above) * part)
 
 
 def _around(k: int, first: int, last: int, mean, spread) -> tuple[int, int]:
