@@ -1,4 +1,4 @@
-"""What parameters.py draws on: the results of each study on plain dimensions, and the factors of the paper's Table 1."""
+"""What parameters.py draws on: results of each study on plain dimensions, and the factors of the paper's Table 1."""
 
 from __future__ import annotations
 
@@ -17,6 +17,9 @@ SLOW, FAST = 39.5, 280.0
 """Frequencies [Hz] at which the optima of collision and of fluidisation stand alone: modes 1 and 3 of the beam."""
 
 NOT_RUN = -1
+
+DEAR = {"modulus": ("modulus_stiff", "youngs_modulus"), "restitution": ("restitution_low", "restitution")}
+"""Studies, and the levels of theirs that take several times the steps and are files of their own."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +92,12 @@ def results(study: str) -> xr.Dataset | None:
     if not path.exists():
         return None
     dataset = on_frequencies(xr.load_dataset(path))
+    dear, dim = DEAR.get(study, ("", ""))
+    if (DATA / f"{dear}.nc").exists():
+        parts = [dataset, on_frequencies(xr.load_dataset(DATA / f"{dear}.nc"))]
+        dataset = xr.concat(parts, dim, join="outer", coords="minimal", compat="override", combine_attrs="override")
+        dataset["status"] = dataset["status"].fillna(NOT_RUN)
+        dataset = dataset.sortby(dim)
     if study == "clearance":
         heights = dataset["clearance"].mean([dim for dim in dataset["clearance"].dims if dim != "height"])
         dataset = dataset.assign_coords(free_height=("height", heights.values, {"units": "m"}))

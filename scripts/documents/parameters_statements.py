@@ -97,7 +97,7 @@ def alike_when_stiff() -> tuple[str, str]:
 
 
 def share_over(study: str, key: str, kind: str, frequency: float, gamma: float) -> str:
-    """Part of a mechanism at the lowest and the highest level, and what it takes in parts of the ideal damper's loss."""
+    """Part of a mechanism at the lowest and the highest level, and the effectiveness there."""
     at = nearest(results(study), frequency, gamma).sortby(key)
     part, eps = shares(at)[kind], at["effectiveness"].mean("seed")
     return ", ".join(
@@ -256,7 +256,7 @@ BOTH = ("gamma_fluidisation", "gamma_collision")
 HEIGHTS = ("effectiveness_fluidisation", "effectiveness_collision")
 SAME_FLUIDISATION = (("gamma_fluidisation", "not affected"), ("effectiveness_fluidisation", "not affected"))
 ELSEWHERE = OPEN, "spheres only here: docs/sphericity.md, where it is there, is of spheroids"
-MOTION = "the motion is in [gamma_c.md](gamma_c.md): in flight the bed is thicker than at rest, and the lid's push comes early"
+MOTION = "[gamma_c.md](gamma_c.md): in flight the bed is thicker than at rest, and the lid's push comes early"
 STATEMENTS = (
     ("4.1 a", "Γ_c lies higher for spheroids than for spheres.", lambda: ELSEWHERE),
     ("4.1 b", "One cause: spheroids pack denser and leave more clearance.", lambda: ELSEWHERE),

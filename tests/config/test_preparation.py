@@ -8,6 +8,7 @@ from warpdamp import Config, ConfigError, load
 from warpdamp.config.build import bed
 from warpdamp.config.preparation import carried_path, preparation_word
 from warpdamp.sweep.cases import Cases
+from warpdamp.sweep.plan import make_plan
 from warpdamp.sweep.resolve import shortened
 
 BASE = """
@@ -109,6 +110,9 @@ def test_beds_are_made_with_other_values_than_they_are_shaken_with(study):
     assert specs[0].bed.scene.gravity == (0, 0, -9.81)
     assert specs[0].bed.key() == next(Cases(study("compacted")).specs()).bed.key()
     assert preparation_word(config.preparation) == "compacted"
+    assert len(set(make_plan(Cases(config)).keys)) == 4
+    same = make_plan(Cases(study(MADE))), make_plan(Cases(study("compacted")))  # what beds are made with anyhow
+    assert set(same[0].keys) == set(same[1].keys)
 
 
 @pytest.mark.parametrize(
