@@ -80,19 +80,20 @@ def proportional() -> tuple[str, str]:
 
 
 def alike_when_stiff() -> tuple[str, str]:
-    """Ten and a hundred times the modulus against each other, and a hundredth against a tenth."""
+    """The two highest moduli against each other, and the two lowest."""
     found = effects("modulus", "youngs_modulus")
     if found is None:
         return OPEN, ""
     words, right = [], []
     for response, f in (("gamma_fluidisation", FAST), ("gamma_collision", SLOW)):
         level = found["level"].sel(response=response, frequency=f).values
-        soft, stiff = level[1] / level[0] - 1, level[4] / level[3] - 1
+        soft, stiff = level[1] / level[0] - 1, level[-1] / level[-2] - 1
         if np.isfinite([soft, stiff]).all():
             right.append(abs(stiff) < abs(soft))
-            words.append(
-                f"{NAMES[response]} {100 * soft:+.0f} % from x0.01 to x0.1, {100 * stiff:+.0f} % from x10 to x100"
-            )
+            times = found["youngs_modulus"].values / 3.3e9
+            change = f"{100 * soft:+.0f} % from x{times[0]:g} to x{times[1]:g}, "
+            change += f"{100 * stiff:+.0f} % from x{times[-2]:g} to x{times[-1]:g}"
+            words.append(f"{NAMES[response]} {change}")
     return (HOLDS if right and all(right) else IN_PART if any(right) else NOT), "; ".join(words)
 
 
@@ -114,7 +115,9 @@ def dashpots_when_soft() -> tuple[str, str]:
         at = nearest(results("modulus"), f, gamma).sortby("youngs_modulus")
         lost = (shares(at)["dashpots"] * at["effectiveness"].mean("seed")).values
         right.append(lost[0] > lost[-1])
-        words.append(f"{f:g} Hz, Γ {float(at['gamma']):g}: dashpots {lost[0]:.3f} at x0.01, {lost[-1]:.3f} at x100")
+        ends = at["youngs_modulus"].values[[0, -1]] / 3.3e9
+        where = f"{f:g} Hz, Γ {float(at['gamma']):g}"
+        words.append(f"{where}: dashpots {lost[0]:.3f} at x{ends[0]:g}, {lost[-1]:.3f} at x{ends[1]:g}")
     return (HOLDS if all(right) else IN_PART if any(right) else NOT), "; ".join(
         words
     ) + " (in parts of the ideal damper)"
