@@ -109,7 +109,7 @@ def sensitivity_page() -> list[str]:
     """The section of the document on what matters together."""
     return [
         "## What matters together",
-        "Dampers sampled (Sobol) over eight parameters, one packing of sixteen each; the clearance is the bed's.  "
+        "Dampers sampled (Sobol) over eight parameters, one packing of four each; the clearance is the bed's.  "
         "Ranges are in `configs/studies/sensitivity_*.yaml`: a parameter that is known better matters less than here.",
         *of_study("fluidisation"),
         *of_study("collision"),
