@@ -176,8 +176,9 @@ def summary() -> str:
 def cost_rows():
     """What every study took, or would."""
     done = {name: xr.load_dataset(path) for name in ORDER if (path := DATA / f"{name}.nc").exists()}
-    rate = sum(float(runs["cpu_time"].sum()) for runs in done.values())
-    rate /= sum(float(runs["steps"].where(runs["status"] >= 0).sum()) for runs in done.values())
+    timed = [runs for runs in done.values() if "steps" in runs]
+    rate = sum(float(runs["cpu_time"].sum()) for runs in timed)
+    rate /= sum(float(runs["steps"].where(runs["status"] >= 0).sum()) for runs in timed)
     for name in ORDER:
         if name not in done:
             plan = make_plan(Cases(warpdamp.load(STUDIES / f"{name}.yaml")))
