@@ -10,7 +10,7 @@ from shared import DOCS
 
 from warpdamp.numerics.regression import straight_line
 
-HOLDS, IN_PART, NOT, OPEN = "holds", "holds in part", "does not hold", "not run"
+HOLDS, IN_PART, NOT, OPEN, UNDECIDED = "holds", "holds in part", "does not hold", "not run", "undecided"
 FLUIDISED, COLLIDED = 1.7, 6.0
 """Gammas near the optima of fluidisation at 280 Hz and of collision at 39.5 Hz, in the paper's damper."""
 
@@ -49,7 +49,9 @@ def every(study: str, key: str, *wanted: tuple[str, str]) -> tuple[str, str]:
     if not all(verdict for (verdict, _), _ in found):
         return OPEN, ""
     right = [verdict == expected for (verdict, _), expected in found]
-    return (HOLDS if all(right) else IN_PART if any(right) else NOT), "; ".join(words for (_, words), _ in found)
+    unknown = all(one or verdict == "undecided" for one, ((verdict, _), _) in zip(right, found, strict=True))
+    state = HOLDS if all(right) else UNDECIDED if unknown else IN_PART if any(right) else NOT
+    return state, "; ".join(words for (_, words), _ in found)
 
 
 def curves(study: str, key: str, where) -> list[tuple[float, float, float, float, float]]:
