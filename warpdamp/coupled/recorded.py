@@ -54,7 +54,7 @@ def samples(path: Path, quantity: str) -> tuple[np.ndarray, float]:
 
 
 def _odd(time: np.ndarray) -> int:
-    """Row at which times are not as the usual step says: the first, or the one after the step that is most unlike it."""
+    """Row at which the time is odd: the first, or that after the step that is most unlike the usual one."""
     steps = np.diff(time)
     return 0 if time[0] != 0 else 1 + int(np.argmax(np.abs(steps - np.median(steps))))
 
