@@ -63,9 +63,9 @@ def effect_of(dataset: xr.Dataset, factor: str, *, step: float | None = None) ->
     -------
     xarray.Dataset
         On (response, ...): ``effect`` by doubling or step and ``effect_low``, ``effect_high`` [-], the same of
-        ``change`` over the range of the levels that have it, ``exponent`` d log(response) / d log(factor) and its ``_standard_error``,
-        ``paired_standard_error`` and ``unpaired_standard_error`` of the logarithm by doubling or step, ``p_value``,
-        ``p_holm`` (Holm's, over all that is returned), ``p_monotony``, ``p_straight``, ``verdict`` and
+        ``change`` over the range of the levels that have it, ``exponent`` d log(response) / d log(factor) and its
+        ``_standard_error``, ``paired_standard_error`` and ``unpaired_standard_error`` of the logarithm by doubling or
+        step, ``p_value``, ``p_holm`` (Holm's, over all that is returned), ``p_monotony``, ``p_straight``, ``verdict``,
         ``packings_needed`` to decide what is undecided.  On the factor, too: ``level``, ``level_standard_error``.
         On (gamma, ...): ``curve_effect`` by doubling or step, its ``_low`` and ``_high``.  Attributes: ``factor``,
         ``per`` and ``packings``.
