@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from .analysis.effects import effect_of
+from .analysis.emulator import Emulator
 from .analysis.optimum import optimum
 from .analysis.regimes import regime
 from .analysis.results import over_packings
@@ -97,6 +98,32 @@ class Damper:
             If the results lack an indicator: ``effects.indicators`` was off.
         """
         return regime(self._dataset)
+
+    def emulator(self) -> Emulator:
+        """Emulator of the effectiveness between the cases of a sweep, with intervals.
+
+        Returns
+        -------
+        warpdamp.analysis.emulator.Emulator
+            ``predict(frequency=..., gamma=..., ...)`` gives the effectiveness, its interval and whether to trust it;
+            ``cross_validation()`` and ``cases_to_halve()`` say how good it is, and what would make it better.
+
+        Raises
+        ------
+        UsageError
+            If a swept scalar is no number, or there are too few finished cases.
+
+        Examples
+        --------
+        >>> from warpdamp import open_results
+        >>> emulator = open_results("docs/beam.nc").damper.emulator()
+        >>> emulator.names
+        ['frequency', 'gamma']
+        >>> at = emulator.predict(frequency=37.6, gamma=[4.0, 40.0])
+        >>> at["trusted"].values.tolist()
+        [1, 0]
+        """
+        return Emulator(self._dataset)
 
     def damping(self, modes: Modes) -> xr.Dataset:
         """Damping ratio of any structure's modes with this damper, (2 / pi) eps m phi^2 [-], mean over seeds.

@@ -13,7 +13,7 @@ from warpdamp import ConfigError, fits, load
 from warpdamp.config.coupled import RandomConfig, SweptConfig
 from warpdamp.coupled import forces
 from warpdamp.coupled.response import averaged
-from warpdamp.coupled.run import _runs, simulate
+from warpdamp.coupled.run import planned, simulate
 from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
 
@@ -95,8 +95,8 @@ def test_a_force_far_above_the_mode_and_what_is_read_while_it_settles(write):
 def test_the_direction_is_the_excitations(write):
     """Across the axis of the damper, whatever the structure calls its own direction."""
     text = HEAVY.replace("excitation: {gamma: 1}", "excitation: {gamma: 1, direction: lateral}")
-    runs, _ = _runs(load(write(text + "coupled: {duration: 1 s, release: {gamma: 1, mode: 1}}\n")))
-    assert runs[0, 0].scene.host.direction == (1.0, 0.0, 0.0)
+    runs, _ = planned(load(write(text + "coupled: {duration: 1 s, release: {gamma: 1, mode: 1}}\n")))
+    assert runs[0, 0].host.direction == (1.0, 0.0, 0.0)
 
 
 def test_a_recorded_blow_is_heard_in_the_frf(write, tmp_path):

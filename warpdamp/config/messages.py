@@ -56,7 +56,7 @@ def relevant(errors, data, root):
         if loc not in best or rank < best[loc][0]:
             best[loc] = (rank, error | {"loc": loc, "msg": message})
     misspelt = {
-        (*loc[:-1], _closest(loc[-1], _known_keys(root, loc[:-1])))
+        (*loc[:-1], closest(loc[-1], _known_keys(root, loc[:-1])))
         for loc, (_, error) in best.items()
         if error["type"] == "extra_forbidden"
     }
@@ -137,11 +137,12 @@ def _models(annotation) -> Iterator[type[BaseModel]]:
         yield from _models(part)
 
 
-def _closest(name, known) -> str | None:
+def closest(name, known) -> str | None:
+    """The known name that is most like a given one, None if none is."""
     return next(iter(difflib.get_close_matches(str(name), list(known), n=1)), None)
 
 
 def suggestion(name, known) -> str:
     """End of a sentence about an unknown name: the closest known one, or all of them."""
-    close = _closest(name, known)
+    close = closest(name, known)
     return f"; did you mean '{close}'?" if close else f"; choose from {', '.join(known)}"

@@ -8,6 +8,7 @@ from pydantic import Field, TypeAdapter, model_validator
 
 from .base import POSITIVE as _positive
 from .base import Model
+from .damper import DamperConfig
 from .quantities import Length, Number
 from .sweep import swept
 
@@ -18,6 +19,7 @@ class CarriedConfig(Model):
     """Amplitudes run one after the other, each from the bed that the one before left, in the directions of ``path``."""
 
     path: Annotated[list[Literal["up", "down"]], Field(min_length=1)]
+    """Ways through the amplitudes, one after the other; each becomes a value of the dimension ``leg``."""
 
 
 STATES = ("clearance", "packing_fraction")
@@ -36,9 +38,13 @@ class PreparationConfig(Model):
     """
 
     clearance: swept(Length, _positive) | None = None
+    """Travel of the bed's centre of mass between rest on the floor and rest against the lid."""
     packing_fraction: swept(Number, Field(gt=0, lt=1)) | None = None
+    """Volume of the particles over that of the cavity less the clearance."""
     carried: CarriedConfig | None = None
+    """Each amplitude starts from the bed that the one before left."""
     made_with: dict[str, dict[str, Any]] | None = None
+    """Parts of the configuration, by section, that differ while beds are made."""
 
     @model_validator(mode="after")
     def _one(self):
@@ -96,7 +102,7 @@ def while_made(values: dict[str, Any], preparation: Word | PreparationConfig) ->
         return other
 
     asked = state_asked(preparation)
-    kept = {key: value for key, value in values.items() if key not in ("sweep", "coupled", "accuracy")}
+    kept = {key: value for key, value in values.items() if key not in ("sweep", "coupled", "accuracy", "design")}
     return merged(kept, made_with(preparation), "preparation.made_with") | {"preparation": asked or "compacted"}
 
 
@@ -116,8 +122,8 @@ def preparation_word(preparation: Word | PreparationConfig) -> str:
     return "carried" if carried_path(preparation) else str(preparation)
 
 
-def check_preparation(preparation: Word | PreparationConfig, enclosures: dict[str, Any], gravities: list) -> None:
-    """Refuse to compact without gravity, and to reach a clearance without floor or lid.
+def check_preparation(preparation: Word | PreparationConfig, dampers: dict[str, DamperConfig], gravities: list) -> None:
+    """Refuse to compact without gravity, to reach a clearance without floor or lid, and one that no bed can have.
 
     Raises
     ------
@@ -130,10 +136,29 @@ def check_preparation(preparation: Word | PreparationConfig, enclosures: dict[st
     key = f"preparation.{asked}" if asked else "preparation"
     if (asked or preparation == "compacted") and 0 in gravities:
         raise ValueError(f"{key}: a bed cannot be compacted without gravity; set preparation: loose")
-    for cavity, enclosure in enclosures.items() if asked else ():
+    for cavity, damper in dampers.items() if asked else ():
+        _check_room(key, state_asked(preparation), cavity, damper)
         for wall in ("floor", "lid"):
-            if not getattr(enclosure, wall):
+            if not getattr(damper.enclosure, wall):
                 raise ValueError(
                     f"{key}: is defined between a floor and a lid only, and {cavity}.enclosure has no {wall}; "
                     "set preparation: compacted"
                 )
+
+
+def _check_room(key: str, asked: dict[str, Any], cavity: str, damper: DamperConfig) -> None:
+    """Refuse a state in which the particles would lie denser than anything can, or fill more than the cavity."""
+    ((name, values),) = asked.items()
+    fill, densest, height = damper.fill, damper.densest, damper.enclosure.height
+    for value in values if isinstance(values, list) else [values]:
+        if name == "clearance" and value > height * (1 - fill / densest):
+            most = 1e3 * height * (1 - fill / densest)
+            raise ValueError(
+                f"{key}: {1e3 * value:g} mm: the particles of {cavity} fill {fill:.3f} of it, and packed as densely as "
+                f"can be ({densest:g}) they leave {most:.3g} mm: a bed has less"
+            )
+        if name == "packing_fraction" and not fill <= value <= densest:
+            raise ValueError(
+                f"{key}: {value:g}: the particles of {cavity} fill {fill:.3f} of it at least, and {densest:g} is the "
+                "densest that they can be packed"
+            )

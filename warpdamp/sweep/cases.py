@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import ValidationError
 
-from ..config.build import as_list, bed, drive, grains, particle_mass, scene
+from ..config.build import as_list, bed, drive, grains, numerics_of, particle_mass, scene
 from ..config.study import Config
 from ..damper.case import PAPER_SETTLING, Criteria, Request, Spec, paper_criteria
 from ..errors import ConfigError
 from ..numerics.timestep import (
     FEWEST_STEPS_PER_CONTACT,
     FEWEST_STEPS_PER_CYCLE,
-    Numerics,
     contact_step,
     expected_speed,
     shortest_contact,
@@ -183,7 +182,7 @@ class Cases:
         particles = particle_mass(single)
         structure = single.structure.model_dump(mode="json")
         materials = {
-            name: single.materials[name].model_dump() for path, name in leaves(structure) if path[-1] == "material"
+            name: single.materials[name].elastic() for path, name in leaves(structure) if path[-1] == "material"
         }
         key = json.dumps([particles, structure, materials])
         if key not in self._modes:
@@ -241,9 +240,7 @@ class Cases:
                 grains=grains(config),
                 seed=seed,
                 settling_time=PAPER_SETTLING if config.steady_state.recipe == "paper" else None,
-                numerics=Numerics(
-                    config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced()
-                ),
+                numerics=numerics_of(config),
                 **bed(config),
             )
             self._beds[index, seed] = request, scene(config)
