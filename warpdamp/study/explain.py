@@ -19,6 +19,7 @@ from ..execution.store import Finished
 from ..numerics.timestep import expected_speed, shortest_contact
 from ..scene.effects import EFFECTS, NOT_MODELLED, Effects, called_for
 from ..scene.scene import STANDARD_GRAVITY
+from ..scene.shape import aspects
 from ..sweep.cases import Cases
 from ..sweep.plan import Fate, make_plan
 from ..sweep.resolve import self_contained, with_tolerance
@@ -65,7 +66,7 @@ def effects_of(config: Config, spec: Spec) -> list[Explanation]:
     explained = []
     for name in (name for name, effect in EFFECTS.items() if effect.keys):
         on = getattr(effects, name)
-        why = _why(config, name, on)
+        why = _aspects(config, spec) if name == "spheroids" else _why(config, name, on)
         if name in forced and on != getattr(called, name):
             why = f"forced {'on' if on else 'off'}, though the scene {'calls' if not on else 'does not call'} for it"
         full = recall("frozen", effects)
@@ -73,6 +74,13 @@ def effects_of(config: Config, spec: Spec) -> list[Explanation]:
         cost = full - less if on and full is not None and less is not None else None
         explained.append(Explanation(name, on, why, cost))
     return explained
+
+
+def _aspects(config: Config, spec: Spec) -> str:
+    """Aspects of a case's particles, and the line that has them, or their list."""
+    key = "damper.particles" if isinstance(config.damper.particles, list) else "damper.particles.shape.aspect"
+    different = sorted(set(aspects(spec.bed.grains).tolist()))
+    return _line(config, key, ", ".join(f"{aspect:g}" for aspect in different))
 
 
 def _why(config: Config, name: str, on: bool) -> str:
