@@ -1,4 +1,7 @@
-"""Time loop.  One case is one thread, and the thread runs many steps."""
+"""Time loop.  One case is one thread, and the thread runs many steps.
+
+Cases that share a structure advance together by ``coupled.py``.
+"""
 
 import functools
 
@@ -6,6 +9,7 @@ import warp as wp
 
 from .columns import KernelStatus
 from .cylinder import wall_contacts
+from .forces import NEARBY, forces_of_contacts
 from .lanes import promises
 from .ledger import ledger
 from .motion import motion
@@ -17,21 +21,18 @@ from .structure import structure
 OK, NOT_FINITE, ESCAPED = (wp.constant(int(status)) for status in KernelStatus)
 
 
-NEARBY = wp.constant(0.1)
-"""Pairs nearer than this part of the neighbour list's extra reach are searched every step, the others now and then."""
-
-
 @functools.cache
 def stepper(effects, count: int):
     """Return the kernels ``advance`` and ``synchronise`` for the given effects, ``count`` contacts side by side."""
     t = types(effects)
-    real, vec3, Losses, Row = t.real, t.vec3, t.Losses, t.Row
+    real, vec3, Row = t.real, t.vec3, t.Row
     Case, Particle, Contacts, HostStructure = t.Case, t.Particle, t.Contacts, t.HostStructure
-    nearby_pairs, pair_forces, _ = pair_contacts(effects, count)
-    wall_forces, _, contained = wall_contacts(effects, count)
-    enclosure_phase, integrate, kick = motion(effects)
+    nearby_pairs = pair_contacts(effects, count).nearby_pairs
+    contained = wall_contacts(effects, count).contained
+    contact_forces = forces_of_contacts(effects, count)
+    _, integrate, kick = motion(effects)
     book = ledger(effects, count)
-    tally, stored, add_impulses, Column = book.tally, book.stored, book.add_impulses, book.Column
+    stored, Column = book.stored, book.Column
     begin_cycle, cycle_displacement = book.begin_cycle, book.cycle_displacement
     contiguous_contacts = promises(effects)
     s = structure(effects)
@@ -56,16 +57,7 @@ def stepper(effects, count: int):
         the last one; the enclosure's place advances over ``drift`` seconds.  Returns minus the enclosure's acceleration
         and that of the structure's base [m/s^2], and the row.
         """
-        pair_losses, largest = pair_forces(case, p, c, nearby, h, since)
-        reaction = vec3()
-        wall_losses = Losses()
-        if wp.static(effects.enclosure):
-            reaction, wall_losses, wall_largest, pressed = wall_forces(case, p, c, h, since)
-            largest = wp.max(largest, wall_largest)
-            if wp.static(effects.indicators):
-                row = add_impulses(row, pressed, h)
-        cosine, sine = enclosure_phase(case, step)
-        row = tally(case, row, pair_losses, wall_losses, largest, reaction, cosine, sine, h)
+        reaction, sine, row = contact_forces(case, p, c, nearby, step, h, since, row)
         if wp.static(effects.structure):
             along = wp.dot(reaction, case.direction)
             place = enclosure_place(case, host)

@@ -5,6 +5,7 @@ rises without end; floor and lid reach as far as the particles do.
 """
 
 import functools
+from types import SimpleNamespace
 
 import warp as wp
 
@@ -12,13 +13,13 @@ from .bounds import bounds
 from .contact import contact_law
 from .lanes import lanes, natural
 from .particles import particles
-from .spheres import spheres
+from .shape import shape
 from .structs import FLOOR, LID, SIDE, WALLS, types
 
 
 @functools.cache
 def wall_contacts(effects, count: int):
-    """Return ``wall_forces``, ``wall_energy`` and ``contained`` for the given effects.
+    """Return ``wall_forces``, ``wall_energy``, ``contained`` and ``wall_contact`` for the given effects.
 
     ``count`` contacts are computed side by side.
     """
@@ -28,21 +29,21 @@ def wall_contacts(effects, count: int):
     Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     contact, parted, elastic_energy, remembered_energy = contact_law(effects)
     law_of = particles(effects).wall_law
-    shape = spheres(effects)
-    wall_touches, wall_touch, wall_motion = shape.wall_touches, shape.wall_touch, shape.wall_motion
+    s = shape(effects)
+    wall_near, wall_touch, wall_touch_back = s.wall_near, s.wall_touch, s.wall_touch_back
+    wall_motion, wall_loads, with_place = s.wall_motion, s.wall_loads, s.with_place
     at_least = bounds(real).at_least
     side_by_side = lanes(effects, count)
-    LANES, LOSSES = side_by_side.LANES, side_by_side.LOSSES
+    LANES, LOSSES, FIELDS = side_by_side.LANES, side_by_side.LOSSES, side_by_side.FIELDS
     Scalars, Vectors, Lost = side_by_side.Scalars, side_by_side.Vectors, side_by_side.Lost
+    Fields, Kept = side_by_side.Fields, side_by_side.Kept
+    to_fields, from_fields = side_by_side.to_fields, side_by_side.from_fields
 
     @wp.func
-    def noted(c: Contacts, place: int, touches: wp.bool, last: int):
+    def noted(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, last: int):
         """Note a wall if it touches, or did so a step ago; return the end of the notes."""
-        near = wp.where(touches, 1, 0)
-        if wp.static(effects.history):
-            near |= wp.where(c.wall[place].radius > real(0.0), 1, 0)
-        c.touching_walls[last] = place
-        return last + near
+        c.touching_walls[last] = WALLS * i + wall
+        return last + wall_near(case, p, c, i, wall)
 
     @wp.func
     def touching_walls(case: Case, p: wp.array(dtype=Particle), c: Contacts):
@@ -51,13 +52,12 @@ def wall_contacts(effects, count: int):
         last = WALLS * first
         i = first
         while i < first + case.count:
-            x = p[i].position
             if wp.static(effects.side):
-                last = noted(c, WALLS * i + SIDE, wall_touches(case, p, i, SIDE, x), last)
+                last = noted(case, p, c, i, SIDE, last)
             if wp.static(effects.floor):
-                last = noted(c, WALLS * i + FLOOR, wall_touches(case, p, i, FLOOR, x), last)
+                last = noted(case, p, c, i, FLOOR, last)
             if wp.static(effects.lid):
-                last = noted(c, WALLS * i + LID, wall_touches(case, p, i, LID, x), last)
+                last = noted(case, p, c, i, LID, last)
             i += 1
         return WALLS * first, last
 
@@ -66,18 +66,18 @@ def wall_contacts(effects, count: int):
         """Contact of a particle with a wall: force, torque, history, losses, overlap over R."""
         i = place / WALLS
         wall = place - WALLS * i
-        touch = wall_touch(case, p, i, wall, p[i].position)
-        law = law_of(case, p, c, i)
         old = History()
         if wp.static(effects.history):
             old = c.wall[place]
+        touch = wall_touch(case, p, i, wall, old)
+        law = law_of(case, p, c, i)
         f, rolling, history, lost = contact(
             law,
             touch.radius,
             touch.mass,
             touch.overlap,
             touch.normal,
-            wall_motion(case, p, i, wall, touch, since),
+            wall_motion(case, p, i, wall, touch, old, since),
             old,
             h,
         )
@@ -88,8 +88,8 @@ def wall_contacts(effects, count: int):
             lost = Losses()
             if wp.static(effects.history):
                 lost = parted(law, old)
-        torque = touch.arm_i * wp.cross(f, touch.normal) + touch.radius * wp.cross(touch.normal, rolling)
-        return f, torque, history, lost, touch.overlap * touch.curvature
+        f, torque = wall_loads(touch, law, f, rolling)
+        return f, torque, with_place(history, touch), lost, touch.overlap * touch.curvature
 
     @wp.func
     def add_wall(p: wp.array(dtype=Particle), c: Contacts, place: int, f: vec3, torque: vec3, history: History):
@@ -117,8 +117,8 @@ def wall_contacts(effects, count: int):
         losses = Losses()
         largest = real(0.0)
         pressed = Impulses()
-        forces, torques, stretches, rolls = Vectors(), Vectors(), Vectors(), Vectors()
-        radii, depths, lost = Scalars(), Scalars(), Lost()
+        forces, torques = Vectors(), Vectors()
+        depths, kept, lost = Scalars(), Kept(), Lost()
         first, last = touching_walls(case, p, c)
         m = first
         while m < last:
@@ -131,24 +131,18 @@ def wall_contacts(effects, count: int):
                     lost[channel, lane] = loss[channel]
                 depths[lane] = depth
                 if wp.static(effects.history):
-                    radii[lane] = history.radius
-                if wp.static(effects.friction):
-                    stretches[lane] = history.stretch
-                if wp.static(effects.rolling):
-                    rolls[lane] = history.roll
+                    fields = to_fields(history)
+                    for field in range(FIELDS):
+                        kept[field, lane] = fields[field]
             used = wp.min(LANES, last - m)
             lane = wp.int32(0)
             while lane < used:
-                history = History()
-                if wp.static(effects.history):
-                    history.radius = radii[lane]
-                if wp.static(effects.friction):
-                    history.stretch = stretches[lane]
-                if wp.static(effects.rolling):
-                    history.roll = rolls[lane]
+                fields = Fields()
+                for field in range(FIELDS):
+                    fields[field] = kept[field, lane]
                 place = natural(c.touching_walls[m + lane])
                 f = forces[lane]
-                add_wall(p, c, place, f, torques[lane], history)
+                add_wall(p, c, place, f, torques[lane], from_fields(fields))
                 reaction -= f
                 pressed += pressing(place - WALLS * (place / WALLS), f)
                 for channel in range(LOSSES):
@@ -159,10 +153,10 @@ def wall_contacts(effects, count: int):
         return reaction, losses, largest, pressed
 
     @wp.func
-    def single_energy(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, x: vec3):
+    def single_energy(case: Case, p: wp.array(dtype=Particle), c: Contacts, i: int, wall: int, x: vec3, offset: real):
         """Elastic energy (normal, tangential, rolling) [J] of a particle with its centre at ``x`` and a wall."""
         stored = wp.vec3d()
-        touch = wall_touch(case, p, i, wall, x)
+        touch = wall_touch_back(case, p, i, wall, x, offset)
         if touch.overlap > real(0.0):
             stored[0] = wp.float64(elastic_energy(law_of(case, p, c, i), touch))
         if wp.static(effects.history):
@@ -178,11 +172,11 @@ def wall_contacts(effects, count: int):
         for i in range(case.first, case.first + case.count):
             x = p[i].position - offset * p[i].half_velocity
             if wp.static(effects.side):
-                stored += single_energy(case, p, c, i, SIDE, x)
+                stored += single_energy(case, p, c, i, SIDE, x, offset)
             if wp.static(effects.floor):
-                stored += single_energy(case, p, c, i, FLOOR, x)
+                stored += single_energy(case, p, c, i, FLOOR, x, offset)
             if wp.static(effects.lid):
-                stored += single_energy(case, p, c, i, LID, x)
+                stored += single_energy(case, p, c, i, LID, x, offset)
         return stored
 
     @wp.func
@@ -199,4 +193,6 @@ def wall_contacts(effects, count: int):
                 inside = inside and x[2] <= case.height
         return inside
 
-    return wall_forces, wall_energy, contained
+    return SimpleNamespace(
+        wall_forces=wall_forces, wall_energy=wall_energy, contained=contained, wall_contact=wall_contact
+    )

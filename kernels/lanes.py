@@ -24,13 +24,13 @@ from .options import LANES
 from .structs import types
 
 
-def lanes_for(effects, device: str) -> int:
+def lanes_for(effects) -> int:
     """How many contacts are computed side by side.
 
     One where vectors do not pay: threads of other devices are lanes themselves, and three floats of single precision
     are returned as one vector, which the compiler does not widen.
     """
-    return LANES if effects.precision == "float64" and device == "cpu" else 1
+    return LANES if effects.precision == "float64" and effects.device == "cpu" else 1
 
 
 @wp.func
@@ -51,13 +51,53 @@ def contiguous(a: wp.array(dtype=wp.int32)):
 def lanes(effects, count: int):
     """Return what ``count`` contacts side by side are kept in, for the given effects."""
     t = types(effects)
+    vec3, History = t.vec3, t.History
     channels = t.Losses._length_
+    vectors = [name for name in History.vars if name != "radius"]
+    Fields = wp.types.vector(1 + 3 * len(vectors), t.real)
+    first = {name: wp.constant(1 + 3 * k) for k, name in enumerate(vectors)}  # places of the vectors in Fields
+    STRETCH, ROLL, NORMAL, ARM = (first.get(name) for name in ("stretch", "roll", "normal", "arm"))
+
+    @wp.func
+    def to_fields(history: History):
+        """The numbers of a history, one after the other."""
+        fields = Fields()
+        fields[0] = history.radius
+        for x in range(3):
+            if wp.static("stretch" in vectors):
+                fields[STRETCH + x] = history.stretch[x]
+            if wp.static("roll" in vectors):
+                fields[ROLL + x] = history.roll[x]
+            if wp.static("normal" in vectors):
+                fields[NORMAL + x] = history.normal[x]
+                fields[ARM + x] = history.arm[x]
+        return fields
+
+    @wp.func
+    def from_fields(fields: Fields):
+        """The history of these numbers."""
+        history = History()
+        history.radius = fields[0]
+        if wp.static("stretch" in vectors):
+            history.stretch = vec3(fields[STRETCH], fields[STRETCH + 1], fields[STRETCH + 2])
+        if wp.static("roll" in vectors):
+            history.roll = vec3(fields[ROLL], fields[ROLL + 1], fields[ROLL + 2])
+        if wp.static("normal" in vectors):
+            history.normal = vec3(fields[NORMAL], fields[NORMAL + 1], fields[NORMAL + 2])
+            history.arm = vec3(fields[ARM], fields[ARM + 1], fields[ARM + 2])
+        return history
+
     return SimpleNamespace(
         LANES=wp.constant(count),
         LOSSES=wp.constant(channels),
+        FIELDS=wp.constant(Fields._length_),
         Scalars=wp.types.vector(count, t.real),
         Vectors=wp.types.matrix((count, 3), t.real),
         Lost=wp.types.matrix((channels, count), wp.float64),
+        Fields=Fields,
+        Kept=wp.types.matrix((Fields._length_, count), t.real),
+        to_fields=to_fields,
+        from_fields=from_fields,
     )
 
 

@@ -18,6 +18,7 @@ from .columns import IMPULSES, PLACES, columns, losses
 from .cylinder import wall_contacts
 from .pairs import pair_contacts
 from .particles import particles
+from .shape import shape
 from .structs import types
 from .structure import structure
 
@@ -37,10 +38,10 @@ def ledger(effects, count: int):
     PARTICLE_LOSSES, WALL_LOSSES = (wp.constant(int(Column[f"{place}_{losses(effects)[0]}"])) for place in PLACES)
     IMPULSE = wp.constant(int(Column[IMPULSES[0]]) if effects.indicators else 0)
     WALLS_PRESSED = wp.constant(len(IMPULSES))
-    _, _, pair_energy = pair_contacts(effects, count)
-    _, wall_energy, _ = wall_contacts(effects, count)
-    g = particles(effects)
-    inverse_mass_of, inverse_inertia_of = g.inverse_mass_of, g.inverse_inertia_of
+    pair_energy = pair_contacts(effects, count).pair_energy
+    wall_energy = wall_contacts(effects, count).wall_energy
+    inverse_mass_of = particles(effects).inverse_mass_of
+    rotational_energy = shape(effects).rotational_energy
 
     @wp.func
     def tally(
@@ -109,8 +110,7 @@ def ledger(effects, count: int):
                 if wp.static(effects.gravity):
                     weight += wp.float64(mass * wp.dot(case.gravity, case.direction))
             if wp.static(effects.rotation):
-                spin = p[i].half_spin
-                rotation += wp.float64(real(0.5) * wp.dot(spin, spin) / inverse_inertia_of(case, p, i))
+                rotation += wp.float64(rotational_energy(case, p, i))
             if wp.static(effects.gravity):
                 gravity -= wp.float64(mass * wp.dot(case.gravity, p[i].position - offset * v))
         elastic = pair_energy(case, p, c, offset)

@@ -7,6 +7,7 @@ import warp as wp
 from .bounds import bounds
 from .lanes import natural
 from .particles import particles
+from .shape import shape
 from .structs import types
 
 
@@ -17,8 +18,9 @@ def motion(effects):
     real, vec3 = t.real, t.vec3
     Case, Particle = t.Case, t.Particle
     at_least = bounds(real).at_least
-    g = particles(effects)
-    inverse_mass_of, inverse_inertia_of = g.inverse_mass_of, g.inverse_inertia_of
+    inverse_mass_of = particles(effects).inverse_mass_of
+    s = shape(effects)
+    turn, kick_spin, pace2 = s.turn, s.kick_spin, s.pace2
 
     @wp.func
     def enclosure_phase(case: Case, step: wp.int64):
@@ -58,7 +60,7 @@ def motion(effects):
         travel2 : real [m^2]
             Largest square of a displacement, less ``shift``, since the list was made.
         fastest2 : real [m^2/s^2]
-            Largest square of a speed.
+            Largest square of how fast a particle's surface may approach another's.
         mean_velocity : vec3 [m/s]
         momentum : vec3d [kg m/s]
             Of all particles, mean of before and after.
@@ -84,17 +86,12 @@ def motion(effects):
                 p[i].velocity = after + half * acceleration
 
             if wp.static(effects.rotation):
-                turning = inverse_inertia_of(case, p, i) * p[i].torque
-                spin = p[i].half_spin + h * turning
-                p[i].half_spin = spin
-                p[i].torque = vec3()
-                if wp.static(effects.dashpots):
-                    p[i].spin = spin + half * turning
+                turn(case, p, i, h)
 
             mean_velocity += after
             moved = x - p[i].listed - shift
             travel2 = at_least(wp.dot(moved, moved), travel2)
-            fastest2 = at_least(wp.dot(after, after), fastest2)
+            fastest2 = at_least(pace2(case, p, i, after), fastest2)
         work = wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
         return work, travel2, fastest2, mean_velocity / real(case.count), wp.float64(0.5) * momentum
 
@@ -110,7 +107,7 @@ def motion(effects):
             momentum += wp.vec3d((real(1.0) / inverse_mass) * (before + after))
             p[i].half_velocity = after
             if wp.static(effects.rotation):
-                p[i].half_spin = p[i].half_spin + h * inverse_inertia_of(case, p, i) * p[i].torque
+                kick_spin(case, p, i, h)
         work = wp.float64(0.5) * wp.float64(h) * wp.dot(wp.vec3d(inertial), momentum)
         return work, wp.float64(0.5) * momentum
 

@@ -10,8 +10,7 @@ import functools
 import warp as wp
 
 from .options import UNIQUE
-from .particles import particles
-from .spheres import spheres
+from .shape import shape
 from .structs import types
 
 NO_GRID = wp.constant(wp.uint64(0))
@@ -24,12 +23,12 @@ def neighbour_search(effects):
     t = types(effects)
     real, vec3 = t.real, t.vec3
     Case, Particle, History, Contacts = t.Case, t.Particle, t.History, t.Contacts
-    radius_of = particles(effects).radius_of
-    pair_within = spheres(effects).pair_within
+    s = shape(effects)
+    reach_of, pair_listed = s.reach_of, s.pair_listed
 
     @wp.func
     def near(case: Case, p: wp.array(dtype=Particle), i: int, j: int):
-        return j > i and pair_within(case, p, i, j, case.skin)
+        return j > i and pair_listed(case, p, i, j)
 
     @wp.func
     def is_waiting(n: int, steps: wp.array(dtype=wp.int64), target: wp.array(dtype=wp.int64)):
@@ -61,7 +60,7 @@ def neighbour_search(effects):
                 if near(case, p, i, j):
                     count += 1
         else:
-            reach = radius_of(case, p, i) + largest_radius + case.skin
+            reach = reach_of(case, p, i) + largest_radius + case.skin
             for j in wp.hash_grid_query(grid, p[i].position, reach, group[i]):
                 if near(case, p, i, j):
                     count += 1
@@ -126,7 +125,7 @@ def neighbour_search(effects):
                     insert(fresh, first, last, i, j)
                     last += 1
         else:
-            reach = radius_of(case, p, i) + largest_radius + case.skin
+            reach = reach_of(case, p, i) + largest_radius + case.skin
             for j in wp.hash_grid_query(grid, p[i].position, reach, group[i]):
                 if near(case, p, i, j):
                     insert(fresh, first, last, i, j)

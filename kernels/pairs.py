@@ -1,6 +1,7 @@
 """Contacts between particles: the law at one of them, and the sums over the neighbour list."""
 
 import functools
+from types import SimpleNamespace
 
 import warp as wp
 
@@ -8,33 +9,28 @@ from .bounds import bounds
 from .contact import contact_law
 from .lanes import lanes, natural
 from .particles import particles
-from .spheres import spheres
+from .shape import shape
 from .structs import types
 
 
 @functools.cache
 def pair_contacts(effects, count: int):
-    """Return ``nearby_pairs``, ``pair_forces`` and ``pair_energy``, ``count`` contacts side by side."""
+    """Return ``nearby_pairs``, ``pair_forces``, ``pair_energy``, ``pair_contact``, ``count`` contacts side by side."""
     t = types(effects)
     real, vec3 = t.real, t.vec3
     Losses, History = t.Losses, t.History
     Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     contact, parted, elastic_energy, remembered_energy = contact_law(effects)
     law_of = particles(effects).pair_law
-    shape = spheres(effects)
-    pair_within, pair_touch, pair_motion = shape.pair_within, shape.pair_touch, shape.pair_motion
+    s = shape(effects)
+    pair_near, pair_touch, pair_touch_back = s.pair_near, s.pair_touch, s.pair_touch_back
+    pair_motion, pair_loads, with_place = s.pair_motion, s.pair_loads, s.with_place
     at_least = bounds(real).at_least
     side_by_side = lanes(effects, count)
-    LANES, LOSSES = side_by_side.LANES, side_by_side.LOSSES
+    LANES, LOSSES, FIELDS = side_by_side.LANES, side_by_side.LOSSES, side_by_side.FIELDS
     Scalars, Vectors, Lost = side_by_side.Scalars, side_by_side.Vectors, side_by_side.Lost
-
-    @wp.func
-    def is_near(case: Case, p: wp.array(dtype=Particle), c: Contacts, k: int, margin: real):
-        """1 if the pair at place k of the list is nearer than ``margin``, or touched a step ago; else 0: no branch."""
-        near = wp.where(pair_within(case, p, natural(c.owner[k]), natural(c.partner[k]), margin), 1, 0)
-        if wp.static(effects.history):
-            near |= wp.where(c.pair[k].radius > real(0.0), 1, 0)
-        return near
+    Fields, Kept = side_by_side.Fields, side_by_side.Kept
+    to_fields, from_fields = side_by_side.to_fields, side_by_side.from_fields
 
     @wp.func
     def nearby_pairs(case: Case, p: wp.array(dtype=Particle), c: Contacts, margin: real):
@@ -48,7 +44,7 @@ def pair_contacts(effects, count: int):
         k = first
         while k < end:  # half the instructions of a range
             c.nearby[last] = k
-            last += is_near(case, p, c, k, margin)
+            last += pair_near(case, p, c, k, margin)
             k += 1
         return last
 
@@ -61,7 +57,7 @@ def pair_contacts(effects, count: int):
         while m < end:
             k = natural(c.nearby[m])
             c.touching[last] = k
-            last += is_near(case, p, c, k, real(0.0))
+            last += pair_near(case, p, c, k, real(0.0))
             m += 1
         return first, last
 
@@ -73,18 +69,18 @@ def pair_contacts(effects, count: int):
         """
         i = natural(c.owner[k])
         j = natural(c.partner[k])
-        touch = pair_touch(case, p, i, j, p[i].position - p[j].position)
-        law = law_of(case, p, c, i, j)
         old = History()
         if wp.static(effects.history):
             old = c.pair[k]
+        touch = pair_touch(case, p, i, j, old)
+        law = law_of(case, p, c, i, j)
         f, rolling, history, lost = contact(
             law,
             touch.radius,
             touch.mass,
             touch.overlap,
             touch.normal,
-            pair_motion(case, p, i, j, touch, since),
+            pair_motion(case, p, i, j, touch, old, since),
             old,
             h,
         )
@@ -95,11 +91,8 @@ def pair_contacts(effects, count: int):
             lost = Losses()
             if wp.static(effects.history):
                 lost = parted(law, old)
-        moment = wp.cross(f, touch.normal)
-        resisting = touch.radius * wp.cross(touch.normal, rolling)
-        on_i = touch.arm_i * moment + resisting
-        on_j = touch.arm_j * moment - resisting
-        return f, on_i, on_j, history, lost, touch.overlap * touch.curvature
+        f, on_i, on_j = pair_loads(touch, law, f, rolling)
+        return f, on_i, on_j, with_place(history, touch), lost, touch.overlap * touch.curvature
 
     @wp.func
     def add_pair(p: wp.array(dtype=Particle), c: Contacts, k: int, f: vec3, on_i: vec3, on_j: vec3, history: History):
@@ -124,8 +117,8 @@ def pair_contacts(effects, count: int):
         """
         losses = Losses()
         largest = real(0.0)
-        forces, torques_i, torques_j, stretches, rolls = Vectors(), Vectors(), Vectors(), Vectors(), Vectors()
-        radii, depths, lost = Scalars(), Scalars(), Lost()
+        forces, torques_i, torques_j = Vectors(), Vectors(), Vectors()
+        depths, kept, lost = Scalars(), Kept(), Lost()
         first, last = touching_pairs(case, p, c, end)
         m = first
         while m < last:
@@ -139,23 +132,17 @@ def pair_contacts(effects, count: int):
                     lost[channel, lane] = loss[channel]
                 depths[lane] = depth
                 if wp.static(effects.history):
-                    radii[lane] = history.radius
-                if wp.static(effects.friction):
-                    stretches[lane] = history.stretch
-                if wp.static(effects.rolling):
-                    rolls[lane] = history.roll
+                    fields = to_fields(history)
+                    for field in range(FIELDS):
+                        kept[field, lane] = fields[field]
             used = wp.min(LANES, last - m)
             lane = wp.int32(0)
             while lane < used:
-                history = History()
-                if wp.static(effects.history):
-                    history.radius = radii[lane]
-                if wp.static(effects.friction):
-                    history.stretch = stretches[lane]
-                if wp.static(effects.rolling):
-                    history.roll = rolls[lane]
+                fields = Fields()
+                for field in range(FIELDS):
+                    fields[field] = kept[field, lane]
                 k = natural(c.touching[m + lane])
-                add_pair(p, c, k, forces[lane], torques_i[lane], torques_j[lane], history)
+                add_pair(p, c, k, forces[lane], torques_i[lane], torques_j[lane], from_fields(fields))
                 for channel in range(LOSSES):
                     losses[channel] += lost[channel, lane]
                 largest = at_least(largest, depths[lane])
@@ -171,7 +158,7 @@ def pair_contacts(effects, count: int):
             x = p[i].position - offset * p[i].half_velocity
             for k in range(c.start[i], c.start[i + 1]):
                 j = c.partner[k]
-                touch = pair_touch(case, p, i, j, x - p[j].position + offset * p[j].half_velocity)
+                touch = pair_touch_back(case, p, i, j, x, offset)
                 if touch.overlap > real(0.0):
                     stored[0] += wp.float64(elastic_energy(law_of(case, p, c, i, j), touch))
                 if wp.static(effects.history):
@@ -180,4 +167,6 @@ def pair_contacts(effects, count: int):
                     stored[2] += wp.float64(rolling)
         return stored
 
-    return nearby_pairs, pair_forces, pair_energy
+    return SimpleNamespace(
+        nearby_pairs=nearby_pairs, pair_forces=pair_forces, pair_energy=pair_energy, pair_contact=pair_contact
+    )

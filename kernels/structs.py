@@ -75,11 +75,13 @@ def structs(effects):
             gravity: vec3  # [m/s^2]
         direction: vec3  # unit vector of the drive
         if effects.structure:
-            first_mode: wp.int32  # its modes are first_mode .. first_mode + modes - 1
+            enclosures: wp.int32  # of its structure, which are the cases from here on; 0: on that of a case before
+            first_mode: wp.int32  # its structure's modes are first_mode .. first_mode + modes - 1
             modes: wp.int32
+            first_amplitude: wp.int32  # and their amplitudes at its enclosure are those from first_amplitude on
             particle_mass: real  # of all its particles [kg]
             excitation: real  # amplitude of the harmonic force on it [N], or of the base's acceleration [m/s^2]
-            base_moves: wp.int32  # 1: the excitation is the base's acceleration; 0: a force at the damper
+            base_moves: wp.int32  # 1: the excitation is the base's acceleration; 0: a force at the first enclosure
             first_sample: wp.int32  # the excitation's samples are first_sample .. first_sample + samples - 1
             samples: wp.int32
             sample_step: real  # [s] between them
@@ -108,6 +110,9 @@ def structs(effects):
 
         position: vec3  # at n
         half_velocity: vec3  # at n - 1/2
+        if effects.spheroids:
+            axis: vec3  # unit vector, at n
+            half_momentum: vec3  # angular, at n - 1/2
         if effects.rotation:
             half_spin: vec3  # at n - 1/2
         if effects.dashpots:
@@ -123,6 +128,14 @@ def structs(effects):
         if not effects.alike:
             inverse_mass: real
             inverse_inertia: real
+        if effects.spheroids:
+            across2: real  # b^2 [m^2], b the semi-axis across the axis
+            excess: real  # a^2 - b^2 [m^2], a the one along it
+            reach: real  # the larger of them [m]
+            tilt: real  # |a - b|: longest lever of a normal [m]
+            flattest: real  # largest radius of curvature of its surface [m]
+            inverse_transverse: real  # 1 / I_t
+            inverse_axial: real  # 1 / I_a
         if effects.materials:
             species: wp.int32
 
@@ -135,6 +148,9 @@ def structs(effects):
             stretch: vec3  # of the tangential spring [m]
         if effects.rolling:
             roll: vec3  # of the rolling spring [m]
+        if effects.spheroids:
+            normal: vec3  # of the last step, or one that kept the two apart
+            arm: vec3  # from i's centre to the contact at the last step [m]
 
     @wp.struct
     class Contacts:
@@ -159,10 +175,19 @@ def structs(effects):
 
         stiffness: real  # w^2 [1/s^2]
         damping: real  # zeta w [1/s]
-        amplitude: real  # phi at the damper along the direction [kg^-0.5]
         participation: real  # Gamma, of a base that moves along the direction [kg^0.5]
         position: real  # q at n [m kg^0.5]
         velocity: real  # at n - 1/2
+        change: real  # of the velocity over the last step
+
+    @wp.struct
+    class Enclosure:
+        """What a step notes of an enclosure on a structure, from the contacts' forces to the motion."""
+
+        reaction: real  # the particles' force on it along the direction [N]
+        place: real  # x along the direction [m]
+        nearby: wp.int32  # end of the pairs that may touch
+        way: real  # the longest that a particle may have gone since they were noted [m]
 
     @wp.struct
     class HostStructure:
@@ -171,6 +196,8 @@ def structs(effects):
         count: wp.int32  # of modes of all cases together
         if effects.structure:
             modes: wp.array(dtype=Mode)
+            amplitudes: wp.array(dtype=real)  # phi at every enclosure along the direction, by its modes [kg^-0.5]
+            enclosures: wp.array(dtype=Enclosure)  # one a case
             signal: wp.array(dtype=real)  # samples of forces [N] and of bases' accelerations [m/s^2]
             records: wp.array(dtype=wp.vec3d)  # place [m], acceleration [m/s^2] of the enclosure, reaction [N]
 
@@ -180,12 +207,57 @@ def structs(effects):
 
         overlap: real  # [m]; not positive: they are apart
         normal: vec3  # from the partner to i
-        distance: real  # of the centres, or of the centre and the wall [m]
-        arm_i: real  # distance of i's centre from the contact along the normal [m]
-        arm_j: real  # and of j's
+        if effects.spheroids:
+            place_i: vec3  # of the contact, from i's centre [m]
+            place_j: vec3  # and from j's
+            rolling_radius: real  # R* of the spheres of their volumes [m]
+            gradient: vec3  # force on i of the change of R* over half of the energy [1/m]
+            couple: vec3  # and its couple beside that force
+        else:
+            distance: real  # of the centres, or of the centre and the wall [m]
+            arm_i: real  # distance of i's centre from the contact along the normal [m]
+            arm_j: real  # and of j's
         radius: real  # R* [m]
         curvature: real  # 1 / R* [1/m]
         mass: real  # m* [kg]
+
+    @wp.struct
+    class Pose:
+        """Two spheroids as they lie; see ``support.py``."""
+
+        branch: vec3  # from j's centre to i's
+        axis_i: vec3
+        axis_j: vec3
+        across2_i: real  # b^2
+        across2_j: real
+        excess_i: real  # a^2 - b^2
+        excess_j: real
+
+    @wp.struct
+    class Facing:
+        """Two spheroids along a direction."""
+
+        normal: vec3
+        cosine_i: real  # with i's axis
+        cosine_j: real
+        along: real  # branch.normal
+        height_i: real
+        height_j: real
+        inverse_i: real  # 1 / height_i
+        inverse_j: real
+        gap: real
+
+    @wp.struct
+    class Bent:
+        """Sum of two spheroids' matrices of radii of curvature and of their gap, in the tangent plane."""
+
+        pp: real  # squares of the axes' parts in the plane, and their product
+        qq: real
+        pq: real
+        beta_i: real
+        beta_j: real
+        whole: real
+        determinant: real
 
     @wp.struct
     class Motion:
@@ -206,8 +278,12 @@ def structs(effects):
         Particle=Particle,
         Contacts=Contacts,
         Mode=Mode,
+        Enclosure=Enclosure,
         HostStructure=HostStructure,
         Motion=Motion,
         Touch=Touch,
+        Pose=Pose,
+        Facing=Facing,
+        Bent=Bent,
         History=History,
     )

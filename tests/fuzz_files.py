@@ -5,8 +5,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import faulthandler
 import functools
+import importlib.util
 import io
+import os
+import pickle
+import shutil
 import signal
 import tempfile
 import warnings
@@ -14,21 +20,26 @@ from collections.abc import Callable
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
 import nastran_files as nastran
 import universal_files as universal
+from conftest import ROOT
 from frf_files import FREQUENCY, IN, MM, SI, accelerance, binary58, frf58, integrated, table, uff
 from fuzz_damage import PIECES, damaged
-from warpdamp import ConfigError, load
+from warpdamp import ConfigError, load, open_results
 from warpdamp.coupled import recorded
-from warpdamp.errors import WarpdampError
+from warpdamp.errors import ModalError, WarpdampError
+from warpdamp.formats import mode_rst
+from warpdamp.formats.apart import seconds_for
 from warpdamp.formats.frf_file import read_frf
 from warpdamp.formats.mesh_file import load_named
 from warpdamp.formats.mode_csv import read_csv, write_csv
 from warpdamp.formats.mode_nastran import read_nastran
 from warpdamp.formats.mode_uff import read_uff, write_uff
+from warpdamp.modal.card import MEASURED, card, read_card, write_card
 from warpdamp.modal.identify import fits
 from warpdamp.modes import Modes
 
@@ -141,6 +152,45 @@ def _frf(path: Path, **options) -> None:
     assert ((found["fitted_damping_ratio"] > 0) | ~kept).all()
 
 
+def _card(path: Path) -> None:
+    part = read_card(path)
+    for name in MEASURED:
+        assert np.isfinite(part[name]).all()
+        assert (part[f"{name}_interval"] >= 0).all()
+
+
+def _forked(function: Callable, file: Path, _library: str):
+    """The same as ``formats.apart``, by a fork: libraries are imported once, not for each of a thousand files."""
+    result = file.with_name("result-of-a-process")
+    result.unlink(missing_ok=True)
+    child = os.fork()
+    if child == 0:
+        import resource  # not on Windows, where there is no fork either
+
+        signal.alarm(0)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        faulthandler.dump_traceback_later(seconds_for(file), exit=True)
+        try:
+            found = function(file)
+        except Exception as error:  # which the parent raises again
+            found = error
+        with contextlib.suppress(Exception):
+            result.write_bytes(pickle.dumps(found))
+        os._exit(0)
+    end = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if not result.is_file():
+        raise ModalError(f"{file} is damaged: its reader crashed or came to no end ({end}): write it again")
+    found = pickle.loads(result.read_bytes())
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def _ansys_modes(path: Path) -> None:
+    with mock.patch.object(mode_rst, "apart", _forked):
+        _modes(mode_rst.read_rst, path, units="MM-N", modal_mass=1000.0)
+
+
 def _record(path: Path) -> None:
     samples, step = recorded.samples(path, "force" if path.stem.startswith("force") else "acceleration")
     assert np.isfinite(samples).all()
@@ -157,10 +207,13 @@ KINDS: dict[str, Callable] = {
     "modes, CSV": functools.partial(_modes, read_csv),
     "modes, universal file": functools.partial(_modes, read_uff),
     "modes, Nastran": _nastran_modes,
+    **({"modes, Ansys": _ansys_modes} if importlib.util.find_spec("ansys") and hasattr(os, "fork") else {}),
     "meshes": _mesh,
     "FRFs, table": _frf,
     "FRFs, universal file": _frf,
     "records of forces and bases": _record,
+    "cards, table": _card,
+    "cards, netCDF": _card,
     "cases of a sweep, CSV": _sweep,
     "configurations, YAML": load,
 }
@@ -194,7 +247,7 @@ def valid_files() -> dict[tuple[str, str], bytes]:
     """Content of valid files, by their kind and name."""
     files = {}
     with tempfile.TemporaryDirectory() as name:
-        for write in (_write_modes, _write_nastran, _write_meshes):
+        for write in (_write_modes, _write_nastran, _write_ansys, _write_meshes, _write_cards):
             folder = Path(name) / write.__name__
             folder.mkdir()
             for kind in write(folder):
@@ -271,6 +324,24 @@ def _write_nastran(folder: Path):
     (folder / "run.f06").write_text(nastran.f06(shapes, values, [1.0] * 3, echo=bulk))
     (folder / "run.pch").write_text(nastran.pch(shapes, values, extra=[*bulk, *nastran.dmig(nastran.MASS)]))
     return (("modes, Nastran", "run.*"),)
+
+
+def _write_ansys(folder: Path):
+    """The example of the reader's package, where it is installed: six modes of 321 nodes."""
+    if "modes, Ansys" not in KINDS:
+        return ()
+    from ansys.mapdl.reader import examples
+
+    shutil.copy(examples.rstfile, folder / "run.rst")
+    return (("modes, Ansys", "run.rst"),)
+
+
+def _write_cards(folder: Path):
+    """The card of the paper's damper, at some Gammas."""
+    part = card(open_results(ROOT / "docs" / "beam.nc").sel(gamma=[2.0, 4.0, 6.0]))
+    write_card(part, folder / "damper.csv")
+    write_card(part, folder / "damper.nc")
+    return ("cards, table", "*.csv"), ("cards, netCDF", "*.nc")
 
 
 def _write_meshes(folder: Path):

@@ -13,7 +13,20 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 
-HEAVY = {"warp", "xarray", "scipy", "skfem", "matplotlib", "pint", "netCDF4", "rich", "meshio", "pyuff", "distributed"}
+HEAVY = {
+    "warp",
+    "xarray",
+    "scipy",
+    "skfem",
+    "sklearn",
+    "matplotlib",
+    "pint",
+    "netCDF4",
+    "rich",
+    "meshio",
+    "pyuff",
+    "distributed",
+}
 """Libraries that take a tenth of a second and more to import."""
 
 SELDOM = ("warpdamp.formats", "warpdamp.modal")
@@ -28,6 +41,7 @@ LEVELS = (
     {"sweep", "report"},
     {"execution", "coupled", "accessor"},
     {"study"},
+    {"design"},
     {"cli", "", "__main__"},
 )
 """What stands on each level, from the ground up; ``""`` is ``warpdamp/__init__.py``, the public face."""

@@ -1,5 +1,6 @@
 """What is shipped, and what scripts and configurations promise."""
 
+import os
 import subprocess
 import sys
 import tomllib
@@ -13,16 +14,43 @@ from warpdamp import load
 ROOT = Path(__file__).parents[1]
 
 
-def test_the_wheel_holds_every_module_and_no_other(tmp_path):
-    """A sub-package missing from pyproject's list would be missing from the wheel without a word."""
-    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-q", "-w", tmp_path, ROOT]
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """Path of the wheel."""
+    folder = tmp_path_factory.mktemp("wheel")
+    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-q", "-w", folder, ROOT]
     subprocess.run(command, check=True, capture_output=True)
-    (wheel,) = tmp_path.glob("*.whl")
-    shipped = {name for name in zipfile.ZipFile(wheel).namelist() if name.endswith(".py")}
+    (found,) = folder.glob("*.whl")
+    return found
+
+
+def test_the_wheel_holds_every_module_and_no_other(wheel):
+    """A sub-package missing from pyproject's list would be missing from the wheel without a word."""
+    names = zipfile.ZipFile(wheel).namelist()
+    shipped = {name for name in names if name.endswith(".py")}
     own = {p.relative_to(ROOT).as_posix() for p in (ROOT / "warpdamp").rglob("*.py")}
     own = {path for path in own if not path.startswith("warpdamp/kernels/")}
     own |= {f"warpdamp/{p.relative_to(ROOT).as_posix()}" for p in (ROOT / "kernels").glob("*.py")}
     assert shipped == own
+    assert {"warpdamp/py.typed"} < set(names)
+    pages = {p.relative_to(ROOT).as_posix() for p in (ROOT / "warpdamp" / "report" / "page").iterdir()}
+    assert pages == {name for name in names if name.startswith("warpdamp/report/page/")} != set()
+
+
+def test_the_wheel_runs_a_study_away_from_the_checkout(wheel, tmp_path):
+    """The libraries are those of this environment, warpdamp itself the wheel's alone."""
+    zipfile.ZipFile(wheel).extractall(tmp_path / "site")
+    environment = os.environ | {"PYTHONPATH": str(tmp_path / "site")}
+
+    def python(*arguments):
+        line = [sys.executable, "-P", *arguments]
+        return subprocess.run(line, capture_output=True, text=True, check=True, cwd=tmp_path, env=environment).stdout
+
+    assert Path(python("-c", "import warpdamp; print(warpdamp.__file__)").strip()).is_relative_to(tmp_path / "site")
+    text = (ROOT / "configs" / "modes_given.yaml").read_text()
+    (tmp_path / "short.yaml").write_text(text.replace("[1, 2, 3, 4, 6, 8, 10]", "[2, 6]"))
+    python("-m", "warpdamp", "run", "short.yaml", "--quick", "--workers", "1")
+    assert (tmp_path / "results" / "short-quick.png").read_bytes()[:4] == b"\x89PNG"
 
 
 def test_kernels_do_not_defer_annotations():
@@ -46,7 +74,7 @@ def test_the_command_line_starts_without_the_heavy_libraries():
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "configs").glob("*.yaml")), ids=lambda p: p.name)
+@pytest.mark.parametrize("path", sorted((ROOT / "configs").rglob("*.yaml")), ids=lambda p: p.name)
 def test_every_configuration_is_valid(path):
     load(path)
 
@@ -55,4 +83,5 @@ def test_the_version_is_in_the_changelog():
     import warpdamp
 
     assert f"## {warpdamp.__version__}" in (ROOT / "CHANGELOG.md").read_text()
+    assert f"version: {warpdamp.__version__}\n" in (ROOT / "CITATION.cff").read_text()
     assert tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["name"] == "warpdamp"

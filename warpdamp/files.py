@@ -55,7 +55,7 @@ def netcdf_errors(path: Path) -> Iterator[None]:
         yield
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
-    except (ValueError, OSError, RuntimeError):  # not netCDF at all, cut off, damaged inside
+    except (ValueError, OSError, RuntimeError, AttributeError):  # not netCDF at all, cut off, damaged inside
         raise UsageError(f"{path}: is no netCDF file, or a damaged one") from None
 
 

@@ -28,11 +28,13 @@ class Status(IntEnum):
         return _MEANINGS[self]
 
 
+MORE_CYCLES = "raise steady_state.most_cycles"
+"""Remedy of a case that ended at its most cycles."""
+
 _MEANINGS = {
     Status.STEADY: "steady: no drift left, work and dissipation in balance, standard error as asked",
-    Status.DRIFTING: "still drifting, or work and dissipation out of balance, at the limit of cycles: "
-    "raise steady_state.most_cycles",
-    Status.IMPRECISE: "steady, but the standard error is larger than asked: raise steady_state.most_cycles",
+    Status.DRIFTING: f"still drifting, or work and dissipation out of balance, at the limit of cycles: {MORE_CYCLES}",
+    Status.IMPRECISE: f"steady, but the standard error is larger than asked: {MORE_CYCLES}",
     Status.UNBALANCED: "the energy ledger does not close to 2 %: raise numerics.steps_per_contact",
     Status.TOO_DEEP: "contacts deeper than a tenth of the reduced radius, where Hertz's theory ends: take a stiffer "
     "material or lower amplitudes",

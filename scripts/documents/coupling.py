@@ -68,8 +68,8 @@ def _run(config, host, gamma, frequency, seed, cycles) -> dict:
     base, own = scene(config), grains(config)
     n = steps_per_cycle(base.driven(Drive(frequency, gamma * STANDARD_GRAVITY)), own)
     host = replace(host, record=n // RECORDS)
-    done = advance(Run(Request(base, own, seed), base.on_host(host), 1 / frequency / n, cycles * n))
-    records = done["records"]
+    done = advance(Run((Request(base, own, seed),), (base.on_host(host),), 1 / frequency / n, cycles * n))
+    records = done["records"][0]
     found = from_response(records, host, WINDOW) if host.force else from_decay(records)
     return {
         "asked": gamma,

@@ -2,8 +2,10 @@
 
 import argparse
 import importlib.metadata
+import json
 import os
 import platform
+import shlex
 import sys
 import time
 from collections.abc import Collection, Iterable
@@ -38,7 +40,29 @@ def write_document(name: str, *blocks: str, folder: Path = DOCS) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     with whole_file(folder / name) as part:
         part.write_text(text, encoding="utf-8")
+    if folder == DOCS:
+        note(Path(name).stem)
     print(text)
+
+
+def note(name: str) -> None:
+    """Note date, command, cost and physics version of a document, for the table of evidence in the site.
+
+    What was simulated for it keeps its own note, until it is simulated again.
+    """
+    path = DOCS / "evidence" / f"{name}.json"
+    notes = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    script = Path(sys.argv[0]).resolve()
+    notes["simulated" if "simulate" in sys.argv[1:] else "written"] = entry = {
+        "date": time.strftime("%Y-%m-%d"),
+        "command": shlex.join(["python", str(script.relative_to(ROOT)), *sys.argv[1:]]),
+        "processor_time": round(sum(os.times()[:4]), 1),
+        "physics_version": warpdamp.PHYSICS_VERSION,
+    }
+    notes.setdefault("written", entry)
+    path.parent.mkdir(exist_ok=True)
+    with whole_file(path) as part:
+        part.write_text(json.dumps(notes, indent=2) + "\n", encoding="utf-8")
 
 
 def machine() -> str:

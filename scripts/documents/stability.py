@@ -12,6 +12,7 @@ import time
 from fuzz import section as damaged_files
 from shared import head, table, write_document
 
+from stability import shapes  # noqa: F401  its cases are among them
 from stability.cases import CASES, bed, shaken
 from warpdamp import Batch, Case, Effects
 from warpdamp.engine.checks import check_overlaps, check_run, check_values

@@ -68,7 +68,7 @@ def test_separators_decimal_commas_units_and_encodings(read, text, quantity, fac
         ("time_s, force_N [kN]\n0, 1\n1, 1\n", r"column force_N \[kN\] says its unit twice"),
         (
             "Run 7, March, hit\ntime_s, force_N\n0, 1\n1, 1\n",
-            "record.csv:1: 'Run 7, March, hit' is neither names nor numbers",
+            "record.csv:1: 'Run 7, March, hit' is neither names nor units",
         ),
         ("", "holds no rows of numbers"),
     ],

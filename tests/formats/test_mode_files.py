@@ -186,7 +186,7 @@ def test_what_is_no_universal_file(tmp_path, content, message):
         (HEAD + "1,40,1,0,0,0,0\n", r"mode 1 moves no point"),
         (HEAD.replace("mode,", "mode,damping_ratio,") + "1,1.5,40,1,0,0,0,0\n", r"modes.csv:2: damping_ratio: 1.5: expected a ratio"),
         (HEAD.replace("mode,", "mode,node,") + "1,1,40,1,0,0,0,1\n1,1,40,1,1,0,0,1\n", r"node 1 is there twice in each mode"),
-        ("Beam of Monday\n" + HEAD + "1,40,1,0,0,0,1\n", r"modes.csv:1: 'Beam of Monday' is neither names nor numbers"),
+        ("Beam of Monday\n" + HEAD + "1,40,1,0,0,0,1\n", r"modes.csv:1: 'Beam of Monday' is neither names nor units"),
         ("1,40,1,0,0,0,1\n", r"modes.csv:1: has no line of names above the numbers"),
         (HEAD, r"modes.csv: holds no rows of numbers"),
         ("", r"modes.csv: holds no rows of numbers"),

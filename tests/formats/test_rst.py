@@ -1,7 +1,6 @@
 """Modes from Ansys's result files, by the files that the reader's package brings: 321 nodes, six modes, no units."""
 
 import shutil
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,13 +26,12 @@ def mass_matrix(result, monkeypatch):
     """Puts a .full file beside, with the mass matrix M = V (V^T V)^-2 V^T, for which the shapes V are orthonormal."""
     from warpdamp.formats import mode_rst as rst
 
-    label, _, _, shape = rst._results(result)
+    label, _, _, shape = rst.results(result)
     freedom = np.array([(node, axis) for node in label for axis in range(3)])
     vectors = shape.reshape(len(shape), -1).T
     matrix = vectors @ np.linalg.matrix_power(np.linalg.inv(vectors.T @ vectors), 2) @ vectors.T
-    opened = rst._open
-    full = SimpleNamespace(load_km=lambda sort: (freedom, None, triu(csr_matrix(matrix)).tocsr()))
-    monkeypatch.setattr(rst, "_open", lambda file: full if file.suffix == ".full" else opened(file))
+    monkeypatch.setattr(rst, "mass_matrix", lambda file: (freedom, triu(csr_matrix(matrix)).tocsr()))
+    monkeypatch.setattr(rst, "apart", lambda function, file, library: function(file))
     result.with_suffix(".full").touch()
 
 
@@ -49,14 +47,14 @@ def test_modes_with_their_mass_matrix(result, mass_matrix):
 def test_damaged_shapes_are_caught(result, mass_matrix, monkeypatch):
     from warpdamp.formats import mode_rst as rst
 
-    right = rst._results
+    right = rst.results
 
     def damaged(file):
         label, point, frequency, shape = right(file)
         shape[2, :50] *= -1
         return label, point, frequency, shape
 
-    monkeypatch.setattr(rst, "_results", damaged)
+    monkeypatch.setattr(rst, "results", damaged)
     with pytest.raises(
         ModalError, match=r"run.rst: modes \d and \d have the modal mass phi\^T M phi = .* where 0 is right"
     ):
@@ -89,6 +87,32 @@ def test_what_is_no_result_file(tmp_path):
     (tmp_path / "text.rst").write_text("A heading\n=========\n")
     with pytest.raises(ModalError, match=r"text.rst (is no file of Ansys that can be read|is damaged)"):
         read_rst(tmp_path / "text.rst", units="SI")
+
+
+def test_a_reader_that_crashes_is_a_damaged_file(tmp_path, monkeypatch):
+    """Its process ends; what it finds or raises otherwise comes back."""
+    from warpdamp.formats.apart import apart
+
+    functions = (
+        "import os\n"
+        "from warpdamp.errors import ModalError\n"
+        "def crash(file): os.abort()\n"
+        "def size(file): return file.stat().st_size\n"
+        "def refuse(file): raise ModalError(f'{file.name} is nothing')\n"
+    )
+    (tmp_path / "some_reader.py").write_text(functions)
+    monkeypatch.syspath_prepend(tmp_path)
+    import some_reader
+
+    file = tmp_path / "run.rst"
+    file.write_text("123")
+    assert apart(some_reader.size, file, "json") == 3
+    with pytest.raises(
+        ModalError, match=r"run.rst is damaged: its reader crashed or came to no end \(-6\): write it again"
+    ):
+        apart(some_reader.crash, file, "json")
+    with pytest.raises(ModalError, match=r"run.rst is nothing"):
+        apart(some_reader.refuse, file, "json")
 
 
 def test_a_missing_reader_is_named_with_its_remedy(tmp_path, monkeypatch):

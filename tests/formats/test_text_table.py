@@ -1,5 +1,7 @@
 """One table in every dress that programs give it; what cannot be read is refused at its line."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -47,7 +49,7 @@ def test_encodings(read, encoding):
         "sep=;\n" + TEXT.replace(",", ";"),
         "# of the beam\n\n" + TEXT,
         "# " + TEXT,
-        "Point;one two\n" + TEXT.replace(",", ";"),
+        "# Point;one two\n" + TEXT.replace(",", ";"),
         "Frequenz;Re;Im\nHz;(m/s²)/N;\n0.5;2;-3.25\n1.5;1e-3;4\n",
     ],
 )
@@ -64,10 +66,26 @@ def test_blanks_and_no_header(read):
     assert table.values.tolist() == VALUES
 
 
-def test_what_is_neither_names_nor_units_is_handed_on(read):
-    table = read("Export;of Monday\nSamples;2\n" + TEXT.replace(",", ";"))
-    assert [row.cells for row in table.preamble] == [("Export", "of Monday"), ("Samples", "2")]
-    assert table.header_line == 3
+def test_what_is_neither_names_nor_units_is_refused(read):
+    with pytest.raises(TableError, match=r":1: 'Export of Monday' is neither names nor units: begin remarks with #"):
+        read("Export;of Monday\nSamples;2\n" + TEXT.replace(",", ";"))
+    assert read("# Export;of Monday\n" + TEXT.replace(",", ";")).header_line == 2
+
+
+@pytest.mark.parametrize(
+    ("cell", "remedy"),
+    [
+        ("3,000.00", "has its thousands apart: write 3000.00"),
+        ("3.000,00", "has its thousands apart: write 3000,00"),
+        ("-1'234'567.8", "has its thousands apart: write -1234567.8"),
+        ("1.0+2.0j", "is a complex number: write its real and its imaginary part into two columns"),
+        ("(1e-3 - 2.5i)", "is a complex number"),
+        ("12 N", "is no number: correct the cell"),
+    ],
+)
+def test_cells_that_are_no_numbers_name_their_remedy(read, cell, remedy):
+    with pytest.raises(TableError, match=f":3: im: .* {re.escape(remedy)}"):
+        read(f"f;re;im\n1;2;3\n4;5;{cell}\n")
 
 
 @pytest.mark.parametrize(

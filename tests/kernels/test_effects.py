@@ -87,7 +87,7 @@ def test_every_effect_can_be_told_off_and_on():
     from warpdamp.scene.effects import EFFECTS, FORCIBLE
     from warpdamp.study.speeds import TOGGLES, without
 
-    assert [f.name for f in dataclasses.fields(Effects)] == [*EFFECTS, "precision"]
+    assert [f.name for f in dataclasses.fields(Effects)] == [*EFFECTS, "precision", "device"]
     assert [*EffectsConfig.model_fields] == [*(name for name in FORCIBLE if name != "channels"), "ledger"]
     everything = Effects(**dict.fromkeys(EFFECTS, True))
     for name in TOGGLES:

@@ -25,7 +25,7 @@ warm_up(damper(), Effects({effects}))
 
 
 @pytest.mark.skipif(platform.machine().lower() not in ("x86_64", "amd64"), reason="the vectors are those of x86-64")
-@pytest.mark.parametrize("effects", ["", "rolling=True, sizes=True, materials=True"])
+@pytest.mark.parametrize("effects", ["", "rolling=True, sizes=True, materials=True", "spheroids=True"])
 def test_both_loops_over_contacts_are_vectors(effects, tmp_path):
     """The compiler says so: one loop over pairs and one over walls, eight wide, in the kernel that runs the steps."""
     (tmp_path / "compile.py").write_text(COMPILE.format(effects=effects))

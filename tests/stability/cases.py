@@ -76,7 +76,9 @@ def bed(count, *, radius=RADIUS, cavity=CAVITY, seed=1):
     return State.at_rest(separate(radii, cavity, seed), radii)
 
 
-def attempt(s: Scene, state: State, *, cycles=2, dt=None, steps=None, precision="float64", plant=None) -> Outcome:
+def attempt(
+    s: Scene, state: State, *, cycles=2, dt=None, steps=None, precision="float64", plant=None, effects=None
+) -> Outcome:
     """Run a scene with the step that is chosen for it (or a given one), and judge it as the runner does."""
     try:
         if s.drive:
@@ -86,7 +88,8 @@ def attempt(s: Scene, state: State, *, cycles=2, dt=None, steps=None, precision=
         else:
             dt = dt or contact_step(s, state)
         check_step(s, state, dt)
-        batch = Batch([Case(s, state, dt)], effects=called_for(s, state, precision=precision), max_rows=1)
+        effects = effects or called_for(s, state, precision=precision)
+        batch = Batch([Case(s, state, dt)], effects=effects, max_rows=1)
     except ValueError as error:
         return Outcome(False, str(error))
     start = batch.read()[0][1]

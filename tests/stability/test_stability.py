@@ -2,6 +2,7 @@
 
 import pytest
 
+from stability import shapes  # noqa: F401  its cases are among them
 from stability.cases import CASES
 
 

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 import warpdamp
+from conftest import ROOT
 from warpdamp import Batch, Case, ConfigError, Effects, State, load
 from warpdamp.config.build import grains, scene
 from warpdamp.engine.memory import particle_bytes
 from warpdamp.study.explain import effects_of, explain
+from warpdamp.study.speeds import remember, without
 from warpdamp.sweep.cases import Cases
 
 MIXED = """
@@ -97,13 +99,32 @@ def test_explain_names_the_line_that_calls_for_an_effect(write, monkeypatch, tmp
     path = write(MIXED)
     lines = path.read_text().splitlines()
     rows = shown(load(path))
-    assert [name for name, row in rows.items() if not row.on] == ["lid"]
+    assert [name for name, row in rows.items() if not row.on] == ["lid", "spheroids"]
     for name, key in (("friction", "friction: 0.3"), ("dashpots", "restitution: 0.52"), ("lid", "lid: false")):
         line = int(re.search(r"line (\d+)", rows[name].why)[1])
         assert key in lines[line - 1]
     text = explain(load(path), workers=2)
     for part in ("2 cases", "12 particles", "us at 30 Hz, Gamma 1", "not measured yet", "Not modelled", "2 processes"):
         assert part in text
+
+
+SHAPE = ", radius: 2 mm, material: steel, shape: {aspect: 1.5}}"
+
+
+def test_explain_names_the_aspects_and_their_price(write, monkeypatch, tmp_path):
+    monkeypatch.setenv("WARPDAMP_CACHE", str(tmp_path))
+    config = load(write(MIXED.replace(", radius: 2 mm, material: steel}", SHAPE)))
+    row = shown(config)["spheroids"]
+    assert row.on
+    assert row.why == "damper.particles: 1, 1.5 (line 4)"
+    assert row.cost is None  # not measured yet
+    effects = Cases(config).spec(0)[0].effects
+    remember("frozen", {effects: [300.0], without(effects, "spheroids"): [110.0]})
+    assert shown(config)["spheroids"].cost == pytest.approx(190.0)
+    one = load(ROOT / "configs" / "sphericity.yaml")  # its first aspect
+    assert re.fullmatch(r"damper.particles.shape.aspect: 0\.5 \(line \d+\)", shown(one)["spheroids"].why)
+    spheres = load(write(MIXED))
+    assert not shown(spheres)["spheroids"].on
 
 
 def test_forced_effects_are_simulated_and_said(write):

@@ -9,14 +9,13 @@ from conftest import ROOT
 from warpdamp import Config, ConfigError, accelerance, carry_out, load, run
 from warpdamp.accessor import Damper
 from warpdamp.analysis.optimum import optimum
-from warpdamp.coupled.run import simulate
 from warpdamp.errors import ModalError
-from warpdamp.execution.executors import InProcess
 from warpdamp.formats.mode_csv import read_csv
 from warpdamp.modal.from_config import modes, seen_by_all
 from warpdamp.report.tables import summary
 from warpdamp.study.explain import explain
-from warpdamp.study.several import every_damper, modes_of_all, studies
+from warpdamp.study.several import modes_of_all, studies
+from warpdamp.sweep.dampers import every_damper
 
 GIVEN = """
 structure:
@@ -160,11 +159,8 @@ def test_it_is_explained(write):
 
 
 def test_what_is_for_one_damper_says_so(write):
-    """Coupled runs, FRFs and parts of a run are refused by name."""
-    text = GIVEN.replace("PHI", "1").replace("included: true", "included: false")
-    config = load(write(text + "coupled: {duration: 1 s, release: {gamma: 1, mode: 1}}\n"))
-    with pytest.raises(ConfigError, match="dampers: a coupled run takes one damper"):
-        simulate(config, InProcess())
+    """FRFs and parts of a run are refused by name."""
+    config = load(write(GIVEN.replace("PHI", "1")))
     with pytest.raises(ConfigError, match="dampers: several dampers are run as a whole: leave --part out"):
         carry_out(config, "nowhere", part=(1, 2))
     several = xr.Dataset(coords={"damper": [1, 2]})

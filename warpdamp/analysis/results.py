@@ -106,13 +106,20 @@ def provenance() -> dict:
     }
 
 
-def read(path: Path) -> xr.Dataset:
+def is_coupled(dataset: xr.Dataset) -> bool:
+    """Whether a Dataset is of coupled runs."""
+    return "structure_displacement" in dataset
+
+
+def read(path: Path, *, coupled: bool = False) -> xr.Dataset:
     """Results of a run, read from their file into memory.
 
     Parameters
     ----------
     path : Path
         netCDF file.
+    coupled : bool
+        Whether those of coupled runs will do, too.
 
     Returns
     -------
@@ -125,9 +132,20 @@ def read(path: Path) -> xr.Dataset:
     """
     with netcdf_errors(path):
         dataset = xr.load_dataset(path)
-    if "effectiveness" not in dataset:
-        raise UsageError(f"{path}: is not a results file of warpdamp (it has no effectiveness)")
+    if "effectiveness" not in dataset and not (coupled and is_coupled(dataset)):
+        what = next((what for name, what in OTHERS.items() if name in dataset), "is not a results file of warpdamp")
+        raise UsageError(f"{path}: {what} (it has no effectiveness)")
     return dataset
+
+
+OTHERS = {
+    "structure_displacement": "holds coupled runs, no study of prescribed motion: warpdamp plot draws them, warpdamp "
+    "fit reads their FRF; for a card or an FRF over Gamma take the results of `warpdamp run`",
+    "accelerance_real": "is an FRF: warpdamp fit reads it; here the results of `warpdamp run` are wanted",
+    "fitted_frequency": "holds fits of an FRF; here the results of `warpdamp run` are wanted",
+    "damper_share": "holds the damping by several cards; here the results of `warpdamp run` are wanted",
+}
+"""Other files that the package writes, by a variable that tells them, and what they are."""
 
 
 def write(dataset: xr.Dataset, path: Path) -> None:

@@ -6,15 +6,17 @@ import json
 import os
 import sys
 import time
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ..errors import UsageError
+from ..version import PHYSICS_VERSION, __version__
+from . import design as cli_design
+from . import look as cli_look
 from . import structure as cli_structure
-from .common import ConfigArgument, one_line_errors, picture_file, progress, writable
+from .common import ConfigArgument, one_line_errors, picture_file, progress, stoppable, writable
 
 EXECUTORS = ("processes", "in-process", "dask")
 
@@ -22,8 +24,22 @@ app = typer.Typer(
     help="How much vibration a granular damper takes out of a structure.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    add_completion=False,
 )
+
+
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        print(f"warpdamp {__version__}, physics version {PHYSICS_VERSION}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Show the versions and exit.")
+    ] = False,
+) -> None:
+    pass
 
 
 @app.command()
@@ -64,7 +80,7 @@ def run(
         writable(output)
         started = time.perf_counter()
         options = {"quick": quick, "workers": workers, "executor": executor, "limit": limit}
-        with _stoppable(store), progress() as report:
+        with stoppable(store), progress() as report:
             if share:
                 study.carry_out(checked, store, part=share, report=report, **options)
                 print(f"part {part} is done; warpdamp collect {store} puts all parts together")
@@ -74,7 +90,7 @@ def run(
         save(draw(dataset), path.with_suffix(".png"))
     console = Console()
     console.print(summary(dataset))
-    for line in verdicts(dataset):
+    for line in verdicts(dataset, quick=quick):
         console.print(line, highlight=False)
     if quick:
         console.print(
@@ -93,28 +109,6 @@ def _part(text: str | None) -> tuple[int, int] | None:
     if not (k.isdigit() and n.isdigit() and 1 <= int(k) <= int(n)):
         raise typer.BadParameter(f"'{text}' is not a part: write as 17/200", param_hint="--part")
     return int(k), int(n)
-
-
-@contextmanager
-def _stoppable(store: Path):
-    """Context in which Ctrl-C or SIGTERM stops a run and says how to continue it."""
-    import signal
-
-    def stop(*_):
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, stop)
-    try:
-        yield
-    except KeyboardInterrupt:
-        print(
-            f"\nwarpdamp: stopped; every finished batch is stored in {store}: the same command continues from there, "
-            f"warpdamp status {store} says how far it is",
-            file=sys.stderr,
-        )
-        raise typer.Exit(130) from None
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 FolderArgument = Annotated[Path, typer.Argument(help="Folder of a run.", metavar="DIR")]
@@ -213,16 +207,17 @@ def plot(
     file: Annotated[Path, typer.Argument(help="Results of a run.", metavar="FILE.nc")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="PNG to write (default: beside FILE).")] = None,
 ) -> None:
-    """Draw a results file: curves, maps of frequency and Gamma, or scattered cases, as its dimensions ask."""
+    """Draw a results file: curves, maps, or scattered cases, as its dimensions ask; or that of coupled runs."""
     with one_line_errors():
-        from ..analysis.results import read
+        from ..analysis.results import is_coupled, read
+        from ..report.coupled import answers
         from ..report.curves import draw
         from ..report.figures import save
 
         target = picture_file(output or file.with_suffix(".png"))
-        dataset = read(file)
+        dataset = read(file, coupled=True)
         try:
-            figure = draw(dataset)
+            figure = (answers if is_coupled(dataset) else draw)(dataset)
         except ValueError as error:
             raise UsageError(f"{file}: {error}") from None
         save(figure, target)
@@ -232,12 +227,26 @@ def plot(
 @app.command()
 def schema() -> None:
     """Print the JSON schema of the configuration, for editors."""
-    from ..config.study import Config
+    from ..config.schema import json_schema
 
-    print(json.dumps(Config.model_json_schema(), indent=2))
+    print(json.dumps(json_schema(), indent=2))
 
 
-app.registered_commands += cli_structure.app.registered_commands
+@app.command()
+def info() -> None:
+    """Show what is installed: versions, devices, caches, extras."""
+    from ..report.installation import caches, devices, extras, versions
+
+    with one_line_errors():
+        parts = {"versions": versions(), "devices": devices(), "caches": caches(), "extras": extras()}
+    for title, lines in parts.items():
+        print(title)
+        for name, text in lines.items():
+            print(f"  {name:<12} {text}")
+
+
+for part in (cli_look, cli_structure, cli_design):
+    app.registered_commands += part.app.registered_commands
 
 
 def main() -> None:

@@ -108,3 +108,25 @@ def _plain_progress():
             print(f"{stage} {100 * done:.0f} %", file=sys.stderr, flush=True)
 
     return report
+
+
+@contextmanager
+def stoppable(store: Path):
+    """Context in which Ctrl-C or SIGTERM stops a run and says how to continue it."""
+    import signal
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    except KeyboardInterrupt:
+        print(
+            f"\nwarpdamp: stopped; every finished batch is stored in {store}: the same command continues from there, "
+            f"warpdamp status {store} says how far it is",
+            file=sys.stderr,
+        )
+        raise typer.Exit(130) from None
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 MOST_REFUSED = 12
 """Fits that a command says why it left out."""
 
+
 AtOption = Annotated[list[str] | None, typer.Option(help="Value of a swept scalar, as friction=0.5.")]
 
 app = typer.Typer()
@@ -40,8 +41,9 @@ def modes(
         from ..config.build import particle_mass
         from ..modal.from_config import modes as structure_modes
         from ..report.tables import modes_table
-        from ..study.several import every_damper, modes_of_all
+        from ..study.several import modes_of_all
         from ..sweep.cases import Cases
+        from ..sweep.dampers import every_damper
         from ..sweep.load import load
 
         checked = load(config)
@@ -108,6 +110,7 @@ def coupled(
         from ..execution.executors import worker_pool
         from ..report.coupled import answers
         from ..report.figures import save
+        from ..report.tables import coupled_verdicts
         from ..sweep.load import load
 
         checked = load(config)
@@ -117,13 +120,8 @@ def coupled(
         path = output / f"{config.stem}-coupled.nc"
         write(runs, path)
         save(answers(runs), path.with_suffix(".png"))
-    if "left_out" in runs.attrs:
-        print(runs.attrs["left_out"])
-    lost = runs["particle_loss"] + runs["structure_loss"]
-    print(
-        f"particles took {100 * float((runs['particle_loss'] / lost).mean()):.3g} % of the energy lost; energy of "
-        f"structure and particles closes to {100 * float(runs['closure'].max()):.2g} % of it"
-    )
+    for line in coupled_verdicts(runs):
+        print(line)
     print(path)
 
 
@@ -136,8 +134,9 @@ def _newtons(text: str) -> float:
         raise typer.BadParameter(str(error)) from None
 
 
-@app.command()
+@app.command(context_settings={"allow_extra_args": True})
 def frf(
+    context: typer.Context,
     file: Annotated[Path, typer.Argument(help="Results of a run with a structure, or a card.", metavar="RESULTS.nc")],
     structure: Annotated[
         Path | None,
@@ -151,7 +150,9 @@ def frf(
             help="Amplitude of the force, as '50 mN'; may be repeated (default: controlled Gamma).",
         ),
     ] = None,
-    band: Annotated[tuple[float, float] | None, typer.Option(help="Lowest and highest frequency [Hz].")] = None,
+    band: Annotated[
+        tuple[str, str] | None, typer.Option(metavar="LOW HIGH", help="Lowest and highest frequency [Hz], as 30 50.")
+    ] = None,
     at: AtOption = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help=".nc for the data, .png for a picture (default: beside FILE).")
@@ -162,15 +163,32 @@ def frf(
         from ..modal import frf as response
         from ..report.frf import families, force_curves
 
-        target = output or file.with_name(f"{file.stem}-frf.png")
+        target, limits = output or file.with_name(f"{file.stem}-frf.png"), _limits(band, context.args)
         dataset = response.chosen(_results_or_card(file), at or [])
         dataset, own = _with_structure(dataset, structure, file)
         if constant_force:
-            result, draw = response.constant_force(dataset, constant_force, band, structure=own), force_curves
+            result, draw = response.constant_force(dataset, constant_force, limits, structure=own), force_curves
         else:
-            result, draw = response.accelerance(dataset, band=band, structure=own), families
+            result, draw = response.accelerance(dataset, band=limits, structure=own), families
         save_as_asked(result, draw, target)
     print(target)
+
+
+def _limits(band: tuple[str, str] | None, left: list[str]) -> tuple[float, float] | None:
+    """Two frequencies [Hz] as numbers; ``left``: arguments that nothing took, since a band of one text took two."""
+    if band is None:
+        if left:
+            raise typer.BadParameter(f"unexpected argument {left[0]}")
+        return None
+    for text in band:
+        try:
+            float(text)
+        except ValueError:
+            said = f"'{text}' is no frequency: give two numbers in Hz with a blank between, as --band 30 50"
+            raise typer.BadParameter(said, param_hint="--band") from None
+    if left:
+        raise typer.BadParameter(f"unexpected argument {left[0]}")
+    return float(band[0]), float(band[1])
 
 
 def _results_or_card(file: Path) -> xr.Dataset:
@@ -188,6 +206,7 @@ def _with_structure(dataset: xr.Dataset, structure: Path | None, file: Path) -> 
     """The card of the damper in results, and the structure of a study; without one the results alone."""
     from ..modal.card import card as card_of
     from ..modal.card import is_card
+    from ..modal.card_damper import difference
     from ..modal.frf import ModalModel
     from ..study.several import modes_with
 
@@ -197,7 +216,10 @@ def _with_structure(dataset: xr.Dataset, structure: Path | None, file: Path) -> 
         return dataset, None
     part = card_of(dataset)
     mass = float(part["particle_mass"])
-    (modes,) = modes_with(_structural(structure), [mass])
+    checked = _structural(structure)
+    (modes,) = modes_with(checked, [mass])
+    if said := difference(part, checked, 1):
+        print(said)
     return part, ModalModel.of_modes(modes, modes.inherent_damping, mass)
 
 
@@ -260,6 +282,7 @@ def damping(
     with one_line_errors():
         from ..analysis.results import write
         from ..modal import card as cards
+        from ..modal.card_damper import difference
         from ..report.tables import card_verdicts, dampers_table
         from ..study.several import modes_with
 
@@ -269,6 +292,7 @@ def damping(
         if len(parts) == 1:
             parts *= 1 + len(checked.dampers)
         modes = modes_with(checked, [float(part["particle_mass"]) for part in parts])
+        said += filter(None, (difference(part, checked, k) for k, part in enumerate(parts, 1)))
         found = cards.damping(parts, modes)
         if output:
             if output.suffix != ".nc":

@@ -8,6 +8,9 @@ POSITIVE, NOT_NEGATIVE = Field(gt=0), Field(ge=0)
 
 
 class Model(BaseModel):
-    """A part of the configuration: no unknown keys, no changes, only finite numbers."""
+    """A part of the configuration: no unknown keys, no changes, only finite numbers.
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    The text behind a field says what it does: in the schema, in editors and in the reference.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)

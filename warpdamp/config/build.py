@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..numerics.timestep import Numerics
 from ..scene.particles import Grains
 from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
 from .damper import WALLS
-from .preparation import carried_path, state_asked
+from .preparation import carried_path, preparation_word, state_asked
 from .study import Config
 
 
@@ -17,11 +18,13 @@ def as_list(value) -> list:
 
 
 def grains(config: Config) -> Grains:
-    """Radius and species of every particle of a configuration."""
+    """Radius, species and aspect of every particle of a configuration."""
     mixture, names = config.damper.mixture, _species(config)
+    aspects = tuple(part.shape.aspect for part in mixture for _ in range(part.count))
     return Grains(
         tuple(float(r) for part in mixture for r in part.radii()),
         tuple(names.index(part.material) for part in mixture for _ in range(part.count)),
+        aspects if config.damper.spheroids else (),
     )
 
 
@@ -32,7 +35,7 @@ def _species(config: Config) -> list[str]:
 
 def material(config: Config, name: str) -> Material:
     """Material of that name in a configuration without lists."""
-    return Material(**config.materials[name].model_dump())
+    return Material(**config.materials[name].elastic())
 
 
 def scene(config: Config) -> Scene:
@@ -62,7 +65,13 @@ def bed(config: Config) -> dict:
     """How a bed of a configuration without lists is prepared, as arguments of ``Request``; carried ones begin loose."""
     if asked := state_asked(config.preparation):
         return {"preparation": "compacted", **asked}
-    return {"preparation": "loose" if carried_path(config.preparation) else config.preparation}
+    return {"preparation": "loose" if carried_path(config.preparation) else preparation_word(config.preparation)}
+
+
+def numerics_of(config: Config) -> Numerics:
+    """Numerical choices of a configuration without lists."""
+    own = config.numerics
+    return Numerics(own.precision, own.steps_per_contact, config.effects.forced(), own.device)
 
 
 def drive(config: Config, frequency: float, gamma: float) -> Drive:

@@ -12,7 +12,7 @@ from ..scene.scene import STANDARD_GRAVITY
 from .base import POSITIVE, Model
 from .messages import suggestion
 from .quantities import Frequency, Number, Time, quantity, to_si
-from .spectra import SPECTRA
+from .spectra import SPECTRA, WITHOUT_BREAKPOINTS
 
 Newtons = Annotated[quantity("N"), POSITIVE]
 Hertz = Annotated[Frequency, POSITIVE]
@@ -46,6 +46,9 @@ def _named(value: Any) -> Any:
     """Breakpoints of a spectrum that is called by its name."""
     if not isinstance(value, str):
         return value
+    for name, said in WITHOUT_BREAKPOINTS.items():
+        if name.fullmatch(value.strip()):
+            raise ValueError(f"'{value}': {said}: copy them from the standard: give {_SHOWN}")
     if value not in SPECTRA:
         raise ValueError(f"there is no spectrum '{value}'{suggestion(value, SPECTRA)}; or give {_SHOWN}")
     return [[frequency, f"{density} g^2/Hz"] for frequency, density in SPECTRA[value].breakpoints]
@@ -72,20 +75,25 @@ class Band(Model):
     model_config = ConfigDict(populate_by_name=True)
 
     from_: Hertz = Field(alias="from")
+    """Frequency at its start."""
     to: Hertz
+    """Frequency at its end."""
 
 
 class HarmonicConfig(Model):
     """Harmonic force A sin(2 pi f t)."""
 
     amplitude: Newtons
+    """Amplitude of the force."""
     frequency: Hertz
+    """Frequency of the force."""
 
 
 class SweptConfig(Band):
     """Swept sine: its frequency changes at a constant rate, up or down, over the whole run."""
 
     amplitude: Newtons
+    """Amplitude of the force."""
 
 
 class RandomConfig(Model):
@@ -94,10 +102,15 @@ class RandomConfig(Model):
     model_config = ConfigDict(populate_by_name=True)
 
     rms: Newtons | None = None
+    """Root mean square of the force, flat from ``from`` to ``to``."""
     from_: Hertz | None = Field(None, alias="from")
+    """Lowest frequency of the band."""
     to: Hertz | None = None
+    """Highest frequency of the band."""
     spectrum: Annotated[list[tuple[Hertz, ForceDensity]], BeforeValidator(_no_name), Field(min_length=2)] | None = None
+    """Breakpoints of a power spectral density, [frequency, density], straight on logarithmic scales."""
     seed: Seed = 1
+    """Of the noise."""
 
     @model_validator(mode="after")
     def _one_kind(self):
@@ -116,17 +129,19 @@ class RandomConfig(Model):
 class RecordedConfig(Model):
     """Recorded signal: a text table, evenly spaced from time 0, with the column time_s, and force_N or an acceleration.
 
-    The acceleration of a base is called acceleration_m_s2 or acceleration_g.  Other units are written into the names or
-    behind them, as time_ms or force [lbf].  After the record there is nothing more.
+    The acceleration of a base is called acceleration_m_s2 or acceleration_g, of 9.80665 m/s^2.  Other units are written
+    into the names or behind them, as time_ms or force [lbf].  After the record there is nothing more.
     """
 
     file: str
+    """Text table beside the configuration, with units in its head."""
 
 
 class BaseAmplitude(Model):
     """Acceleration amplitude gamma g of a base."""
 
     gamma: Gamma
+    """Acceleration amplitude of the base over g."""
 
     @property
     def amplitude(self) -> float:
@@ -138,6 +153,7 @@ class BaseHarmonicConfig(BaseAmplitude):
     """Acceleration gamma g sin(2 pi f t) of the base."""
 
     frequency: Hertz
+    """Frequency of the motion."""
 
 
 class BaseSweptConfig(BaseAmplitude, Band):
@@ -145,10 +161,16 @@ class BaseSweptConfig(BaseAmplitude, Band):
 
 
 class BaseRandomConfig(Model):
-    """Normal noise of a power spectral density: breakpoints in g^2/Hz, or the name of a standard's."""
+    """Normal noise of a power spectral density: breakpoints in g^2/Hz, or the name of a standard's.
+
+    Here and in gamma g is 9.81 m/s^2, as everywhere in the package; in files that have g as a unit it is standard
+    gravity, 9.80665 m/s^2.
+    """
 
     spectrum: Annotated[list[tuple[Hertz, AccelerationDensity]], BeforeValidator(_named), Field(min_length=2)]
+    """Breakpoints of a power spectral density, [frequency, density], or the name of a standard's."""
     seed: Seed = 1
+    """Of the noise."""
 
     @model_validator(mode="after")
     def _in_order(self):
@@ -160,7 +182,9 @@ class ReleaseConfig(Model):
     """Release at rest from where free vibration of one mode would have the acceleration amplitude gamma g."""
 
     gamma: Gamma
+    """Acceleration amplitude over g at the damper."""
     mode: Annotated[StrictInt, Field(ge=1)]
+    """Number of the mode."""
 
 
 SIGNALS = ("harmonic", "swept", "random", "recorded")
@@ -177,9 +201,13 @@ class BaseConfig(Model):
     """How the base that holds the structure moves, along the direction of the excitation."""
 
     harmonic: BaseHarmonicConfig | None = None
+    """A sine."""
     swept: BaseSweptConfig | None = None
+    """A sine of changing frequency."""
     random: BaseRandomConfig | None = None
+    """Normal noise."""
     recorded: RecordedConfig | None = None
+    """A signal from a file."""
 
     @model_validator(mode="after")
     def _one_signal(self):
@@ -194,13 +222,21 @@ class CoupledConfig(Model):
     """
 
     duration: Annotated[Time, POSITIVE]
+    """Length of each run."""
     harmonic: HarmonicConfig | None = None
+    """Harmonic force at the damper."""
     swept: SweptConfig | None = None
+    """Swept force at the damper."""
     random: RandomConfig | None = None
+    """Random force at the damper."""
     recorded: RecordedConfig | None = None
+    """Force at the damper from a file."""
     base: BaseConfig | None = None
+    """Motion of the structure's base."""
     release: ReleaseConfig | None = None
+    """Release at rest, deflected in one mode."""
     levels: Annotated[list[Annotated[Number, POSITIVE]], Field(min_length=1)] = [1.0]  # noqa: RUF012 - frozen
+    """Multiples of the force, of the base's acceleration, or of the release; a run each."""
 
     @property
     def signals(self) -> CoupledConfig | BaseConfig:

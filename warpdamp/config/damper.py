@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, StrictInt, create_model, field_vali
 
 from ..scene.effects import FORCIBLE
 from ..scene.particles import sphere_volume
+from ..scene.shape import bounding_radius, two_ends_at_the_side
 from .base import NOT_NEGATIVE as _not_negative
 from .base import POSITIVE as _positive
 from .base import Model
@@ -27,40 +28,70 @@ def between(key: str) -> tuple[str, str]:
 
 
 class MaterialConfig(Model):
-    """Isotropic elastic material."""
+    """Isotropic elastic material.
+
+    ``library`` names the one of the library (``warpdamp materials``) that stands for what is left out here; ``source``
+    says where values are from.
+    """
 
     density: _swept(Density, _positive)
+    """Mass over volume."""
     youngs_modulus: _swept(Pressure, _positive)
+    """Young's modulus; the softer a material, the longer the steps."""
     poissons_ratio: _swept(Number, Field(gt=-1, lt=0.5))
+    """Poisson's ratio."""
+    library: str | None = None
+    """Name in the library (``warpdamp materials``) of what stands for the values left out."""
+    source: str | None = None
+    """Where the values are from."""
+
+    def elastic(self) -> dict[str, Any]:
+        """Density, Young's modulus and Poisson's ratio by name."""
+        return self.model_dump(exclude={"library", "source"})
 
 
 class SurfaceConfig(Model):
     """Surface pairing: restitution, sliding friction and rolling friction."""
 
     restitution: _swept(Number, Field(ge=0, le=1))
+    """Normal velocity after an impact over that before it: the dashpots are calibrated to return it."""
     friction: _swept(Number, _not_negative)
+    """Coefficient of Coulomb friction; 0 leaves friction and rotation out of the kernels."""
     rolling_friction: _swept(Number, _not_negative) = 0.0
+    """Largest resisting moment over normal force and reduced radius; nothing without friction."""
 
 
 class ContactConfig(SurfaceConfig):
     """Contact of particles with each other and, unless ``walls`` says otherwise, with the walls.
 
-    ``pairs`` has the surfaces of a mixture that differ, as ``steel with pmma`` and ``steel with walls``.
+    ``pairs`` has the surfaces of a mixture that differ, as ``steel with pmma`` and ``steel with walls``.  What the
+    library knows of the particles' material on itself may be left out; ``source`` then says where it is from.
     """
 
     walls: SurfaceConfig | None = None
+    """Surface of the particles with the walls, where it differs from that between particles."""
     pairs: dict[Annotated[str, Field(pattern=r"^\S+ with \S+$")], SurfaceConfig] = Field({})
+    """Surfaces of pairs of materials that differ, by ``A with B`` or ``A with walls``."""
+    source: str | None = None
+    """Where restitution and friction are from, if of the library."""
+    """Where the values are from."""
 
 
 class EnclosureConfig(Model):
     """Cylindrical cavity; a wall set to false is absent (``lid: false``: an open cup whose side has no end)."""
 
     diameter: Annotated[Length, _positive]
+    """Inner diameter of the cylinder."""
     height: Annotated[Length, _positive]
+    """Inner height of the cylinder, from floor to lid."""
     material: str
+    """Name of the walls' material, one of ``materials``."""
     side: bool = True
+    """Whether the cylinder's side is there."""
     floor: bool = True
+    """Whether the floor is there."""
     lid: bool = True
+    """Whether the lid is there; without it the side has no end."""
 
     def open_towards(self, direction) -> dict[str, bool]:
         """Walls that are absent though a fall along ``direction`` ends there, as {name: whether}."""
@@ -76,14 +107,18 @@ class NormalSizes(Model):
     """Radii of a normal distribution."""
 
     mean: Annotated[Length, _positive]
+    """Mean of the radii."""
     deviation: Annotated[Length, _positive]
+    """Standard deviation of the radii, at most a quarter of the mean."""
 
 
 class LognormalSizes(Model):
     """Radii of a lognormal distribution; ``deviation`` is that of ln(radius)."""
 
     median: Annotated[Length, _positive]
+    """Median of the radii."""
     deviation: Annotated[Number, _positive]
+    """Standard deviation of the logarithm of the radii."""
 
 
 class SizesConfig(Model):
@@ -94,9 +129,13 @@ class SizesConfig(Model):
     """
 
     uniform: tuple[Length, Length] | None = None
+    """Smallest and largest radius, all between them as frequent."""
     normal: NormalSizes | None = None
+    """Normal distribution of radii."""
     lognormal: LognormalSizes | None = None
+    """Lognormal distribution of radii."""
     each: Annotated[list[Annotated[Length, _positive]], Field(min_length=1)] | None = None
+    """Radius of every particle, ``count`` of them."""
 
     @model_validator(mode="after")
     def _one(self):
@@ -122,12 +161,27 @@ class SizesConfig(Model):
         return np.array(self.each)
 
 
+class ShapeConfig(Model):
+    """Shape of particles: spheroids of an ``aspect``, d1 along over d2 across their axis, or spheres (1).
+
+    Above 1 they are prolate, below oblate.  Their radius stays that of the sphere of the same volume.
+    """
+
+    aspect: Annotated[Number, _positive] = 1.0
+    """Semi-axis along the axis of symmetry over that across it."""
+
+
 class ParticlesConfig(Model):
-    """Spheres of one material."""
+    """Particles of one material and one shape."""
 
     count: Annotated[StrictInt, Field(ge=1)]
+    """Number of particles."""
     radius: Annotated[Length, _positive] | SizesConfig
+    """Radius of the spheres (of spheroids: of the sphere of the same volume), or a distribution of radii."""
     material: str
+    """Name of the particles' material, one of ``materials``."""
+    shape: ShapeConfig = ShapeConfig()
+    """Shape of the particles; spheres unless given."""
 
     @field_validator("radius", mode="wrap")
     @classmethod
@@ -149,10 +203,12 @@ class ParticlesConfig(Model):
 
 
 class DamperConfig(Model):
-    """Damper: the cavity, and equal particles or a list of components of a mixture."""
+    """Damper: the cavity, and particles of one kind or a list of components of a mixture."""
 
     enclosure: EnclosureConfig
+    """The cavity."""
     particles: ParticlesConfig | Annotated[list[ParticlesConfig], Field(min_length=1)]
+    """The particles; a list makes a mixture."""
 
     @property
     def mixture(self) -> list[ParticlesConfig]:
@@ -170,22 +226,54 @@ class DamperConfig(Model):
     @model_validator(mode="after")
     def _fits(self):
         radii = np.concatenate([part.radii() for part in self.mixture])
+        self._check_shapes()
         size = f"{1e3 * self.enclosure.diameter:g} x {1e3 * self.enclosure.height:g} mm"
         if 2 * radii.max() >= min(self.enclosure.diameter, self.enclosure.height):
             raise ValueError(
                 f"particles.radius: particles of diameter {2e3 * radii.max():g} mm do not fit the cavity ({size})"
             )
-        volume = float(np.sum(sphere_volume(radii)))
-        cavity = math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height
-        densest = 0.74 if radii.min() == radii.max() else 1.0
-        if volume > densest * cavity:
-            most = math.floor(densest * cavity / volume * len(radii))
+        fill, densest = self.fill, self.densest
+        if fill > densest:
+            most = math.floor(densest / fill * len(radii))
             raise ValueError(
-                f"particles.count: too many particles: they would fill {volume / cavity:.3f} of the cavity, and not "
-                f"even {'a crystal fills' if densest < 1 else 'all sizes together fill'} more than {densest:.3f}; "
+                f"particles.count: too many particles: they would fill {fill:.3f} of the cavity, and not "
+                f"even {'a crystal fills' if densest < 1 else 'sizes and shapes fill'} more than {densest:.3f}; "
                 f"take at most {most}"
             )
         return self
+
+    @property
+    def spheroids(self) -> bool:
+        """Whether any particle is not a sphere."""
+        return any(part.shape.aspect != 1 for part in self.mixture)
+
+    def _check_shapes(self):
+        """Spheroids fit the cavity at full length, and touch its side in one place at the most."""
+        for k, part in enumerate(self.mixture):
+            radii, aspect, cavity = part.radii(), part.shape.aspect, self.enclosure
+            if aspect == 1:
+                continue
+            place = f"particles.{k}.shape.aspect" if isinstance(self.particles, list) else "particles.shape.aspect"
+            if refusal := two_ends_at_the_side(radii, aspect, cavity.diameter / 2):
+                raise ValueError(f"{place}: {refusal}")
+            longest = 2 * float(bounding_radius(radii, aspect).max())
+            if longest >= min(cavity.diameter, cavity.height):
+                raise ValueError(
+                    f"{place}: particles {1e3 * longest:.3g} mm across do not fit the cavity "
+                    f"({1e3 * cavity.diameter:g} x {1e3 * cavity.height:g} mm)"
+                )
+
+    @property
+    def fill(self) -> float:
+        """Volume of the particles over that of the cavity [-]."""
+        volume = sum(float(np.sum(sphere_volume(part.radii()))) for part in self.mixture)
+        return volume / (math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height)
+
+    @property
+    def densest(self) -> float:
+        """Packing fraction that no bed exceeds [-]: a crystal's of equal spheres, all space of other particles."""
+        radii = np.concatenate([part.radii() for part in self.mixture])
+        return 0.74 if radii.min() == radii.max() and not self.spheroids else 1.0
 
 
 def _unit(vector) -> tuple[float, float, float]:
@@ -198,8 +286,10 @@ def _unit(vector) -> tuple[float, float, float]:
 _NAMED = {"axial": (0.0, 0.0, 1.0), "lateral": (1.0, 0.0, 0.0)}
 Direction = Annotated[
     tuple[float, float, float],
-    BeforeValidator(lambda value: _NAMED.get(value, value) if isinstance(value, str) else value),
-    Field(description="axial, lateral, or [x, y, z] with z along the axis of the cavity"),
+    BeforeValidator(
+        lambda value: _NAMED.get(value, value) if isinstance(value, str) else value,
+        json_schema_input_type=Literal["axial", "lateral"] | tuple[float, float, float],
+    ),
 ]
 
 
@@ -207,10 +297,15 @@ class ExcitationConfig(Model):
     """Sinusoidal motion of the cavity, along its axis unless ``direction`` says otherwise."""
 
     gamma: _swept(Number, _positive)
+    """Acceleration amplitude of the cavity over the standard acceleration of gravity, 9.81 m/s^2."""
     frequency: Literal["modes"] | _swept(Frequency, _positive) = "modes"
+    """Frequencies of the shaking; ``modes``: the structure's natural frequencies with the particles' mass."""
     direction: Direction = (0.0, 0.0, 1.0)
+    """Direction of the shaking: ``axial``, ``lateral``, or [x, y, z] with z along the axis of the cavity."""
     gravity: _swept(Acceleration, _not_negative) = 9.81
+    """Acceleration of gravity; 0 for none."""
     gravity_direction: Direction = (0.0, 0.0, -1.0)
+    """Direction of gravity: ``axial``, ``lateral``, or [x, y, z] with z along the axis of the cavity."""
 
     @field_validator("gamma", "frequency")
     @classmethod
@@ -231,11 +326,28 @@ def _switch(value: Any) -> Any:
     return {"on": True, "off": False, "auto": None}.get(value, value) if isinstance(value, str) else value
 
 
-Switch = Annotated[bool | None, BeforeValidator(_switch), Field(description="on, off, or auto")]
+Switch = Annotated[
+    bool | None, BeforeValidator(_switch, json_schema_input_type=bool | Literal["on", "off", "auto"] | None)
+]
+SWITCHES = {
+    "friction": "Coulomb friction, with the history of the tangential spring",
+    "rotation": "Whether particles turn",
+    "dashpots": "Whether contacts lose energy in dashpots",
+    "rolling": "Rolling resistance",
+    "gravity": "Gravity",
+    "indicators": "Impulses of floor and lid and displacements over a cycle, from which regimes are told",
+}
+"""What the effects are that may be forced."""
 
 
 _Switches = create_model(
-    "_Switches", __base__=Model, **{name: (Switch, None) for name in FORCIBLE if name != "channels"}
+    "_Switches",
+    __base__=Model,
+    **{
+        name: (Switch, Field(None, description=f"{SWITCHES.get(name, name)}; auto: as the scene calls for."))
+        for name in FORCIBLE
+        if name != "channels"
+    },
 )
 
 
@@ -243,6 +355,7 @@ class EffectsConfig(_Switches):
     """Effects forced on or off, whatever the scene requires; ``ledger``: losses by channel, or totals."""
 
     ledger: Literal["channels", "totals"] = "channels"
+    """Losses by channel, or their total alone, which is a little faster."""
 
     def forced(self) -> tuple[tuple[str, bool], ...]:
         """Forced effects as sorted pairs (name, whether on)."""

@@ -50,13 +50,13 @@ def relevant(errors, data, root):
     best: dict = {}
     for error in map(lambda error: _decimal_comma(error, data), errors):
         ours = len(error["loc"]) - (error["type"] == "extra_forbidden")  # an unknown key may look like a union's name
-        loc = tuple(part for k, part in enumerate(error["loc"]) if k >= ours or not _is_union_name(part))
+        loc = tuple(part for k, part in enumerate(error["loc"]) if k >= ours or not is_union_name(part))
         loc, message = _pointed(loc, error["msg"].removeprefix("Value error, "), data)
         rank = {"decimal_comma": -1, "list_type": 1, "literal_error": 1}.get(error["type"], 0)
         if loc not in best or rank < best[loc][0]:
             best[loc] = (rank, error | {"loc": loc, "msg": message})
     misspelt = {
-        (*loc[:-1], _closest(loc[-1], _known_keys(root, loc[:-1])))
+        (*loc[:-1], closest(loc[-1], _known_keys(root, loc[:-1])))
         for loc, (_, error) in best.items()
         if error["type"] == "extra_forbidden"
     }
@@ -94,7 +94,8 @@ def _pointed(loc, message, data):
     return loc, message
 
 
-def _is_union_name(part) -> bool:
+def is_union_name(part) -> bool:
+    """Whether a part of a pydantic location names a branch of a union, and no key of the file."""
     return isinstance(part, str) and ("[" in part or part in ("float", "int", "list"))
 
 
@@ -136,11 +137,12 @@ def _models(annotation) -> Iterator[type[BaseModel]]:
         yield from _models(part)
 
 
-def _closest(name, known) -> str | None:
+def closest(name, known) -> str | None:
+    """The known name that is most like a given one, None if none is."""
     return next(iter(difflib.get_close_matches(str(name), list(known), n=1)), None)
 
 
 def suggestion(name, known) -> str:
     """End of a sentence about an unknown name: the closest known one, or all of them."""
-    close = _closest(name, known)
+    close = closest(name, known)
     return f"; did you mean '{close}'?" if close else f"; choose from {', '.join(known)}"

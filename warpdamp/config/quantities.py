@@ -5,9 +5,10 @@ from __future__ import annotations
 import functools
 import math
 import re
+from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, WithJsonSchema
+from pydantic import BeforeValidator
 
 _GROUPED = r"[1-9]\d{0,2}(?P<mark>[\s'\u2019])\d{3}(?:(?P=mark)\d{3})*(?!\d)(?:\.\d+)?"
 _PLAIN = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -133,14 +134,24 @@ def _example(unit: str) -> str:
     return examples.get(unit, f"1.5 {unit}")
 
 
+@dataclass(frozen=True)
+class _Described:
+    """Adds to a number's JSON schema, which has its range, that it may be text with a unit."""
+
+    unit: str
+
+    def __get_pydantic_json_schema__(self, number, schema_of) -> dict[str, Any]:
+        written = f"quantity in {self.unit}, as '{_example(self.unit)}', or a number in SI"
+        return schema_of(number) | {
+            "type": ["number", "string"],
+            "description": written if self.unit else "number or percentage",
+            "unit": self.unit,
+        }
+
+
 def quantity(unit: str) -> Any:
     """Annotated float that reads quantities of ``unit``."""
-    described = f"quantity in {unit}, as '{_example(unit)}', or a number in SI" if unit else "number or percentage"
-    return Annotated[
-        float,
-        BeforeValidator(lambda value: to_si(value, unit)),
-        WithJsonSchema({"type": ["number", "string"], "description": described, "unit": unit}),
-    ]
+    return Annotated[float, BeforeValidator(lambda value: to_si(value, unit)), _Described(unit)]
 
 
 Length = quantity("m")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 
@@ -36,3 +37,9 @@ SPECTRA = {
     ),
 }
 """By the names that a configuration takes."""
+
+WITHOUT_BREAKPOINTS = {
+    re.compile(r"MIL.?STD.?810.*", re.IGNORECASE): "MIL-STD-810 has a spectrum for each category of Method 514, and "
+    "their breakpoints are not held here",
+}
+"""Standards that are known by name only, and what is to be said of each."""

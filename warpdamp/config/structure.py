@@ -23,21 +23,32 @@ class SectionConfig(Model):
     """A section of any shape: a plane mesh, its first coordinate along the width, its second along the thickness."""
 
     file: str
+    """Mesh file of the section, beside the configuration; needs the extra ``modes``."""
     unit: MeshUnit = 1.0
+    """Unit of the mesh's coordinates."""
 
 
 class BeamConfig(Model):
     """A straight beam.  Its section is width and thickness, diameter, diameter and wall, or a mesh."""
 
     length: Annotated[Length, POSITIVE]
+    """Length between the ends."""
     width: Annotated[Length, POSITIVE] | None = None
+    """Width of a rectangular section."""
     thickness: Annotated[Length, POSITIVE] | None = None
+    """Thickness of a rectangular section, along the damper's axis."""
     diameter: Annotated[Length, POSITIVE] | None = None
+    """Outer diameter of a round section."""
     wall: Annotated[Length, POSITIVE] | None = None
+    """Wall thickness of a tube; left out: a solid rod."""
     section: SectionConfig | None = None
+    """A section of any shape, from a mesh."""
     material: str
+    """Name of the beam's material, one of ``materials``."""
     supports: tuple[Support, Support] = ("clamped", "clamped")
+    """How the two ends are held."""
     bends: Literal["thickness", "width"] = "thickness"
+    """Across what the modes bend that are counted."""
 
     @model_validator(mode="after")
     def _one_section(self):
@@ -56,18 +67,26 @@ class PlateConfig(Model):
     """A rectangular plate from (0, 0) to (length, width); edges at x = 0, x = length, y = 0, y = width."""
 
     length: Annotated[Length, POSITIVE]
+    """Side along x."""
     width: Annotated[Length, POSITIVE]
+    """Side along y."""
     thickness: Annotated[Length, POSITIVE]
+    """Thickness, along z, in which it bends."""
     material: str
+    """Name of the plate's material, one of ``materials``."""
     edges: tuple[Support, Support, Support, Support] = ("clamped",) * 4
+    """How the edges at x = 0, x = length, y = 0 and y = width are held."""
 
 
 class BoxConfig(Model):
     """A part of space: for each coordinate that matters a plane, or the limits [from, to]."""
 
     x: Length | Annotated[list[Length], Field(min_length=2, max_length=2)] | None = None
+    """Plane, or limits, along x."""
     y: Length | Annotated[list[Length], Field(min_length=2, max_length=2)] | None = None
+    """Plane, or limits, along y."""
     z: Length | Annotated[list[Length], Field(min_length=2, max_length=2)] | None = None
+    """Plane, or limits, along z."""
 
     @model_validator(mode="after")
     def _some(self):
@@ -80,10 +99,15 @@ class MeshConfig(Model):
     """A solid of any shape: a mesh of tetrahedra or hexahedra, held at named boundaries or in boxes."""
 
     file: str
+    """Mesh file, beside the configuration; needs the extra ``modes``."""
     unit: MeshUnit = 1.0
+    """Unit of the mesh's coordinates."""
     material: str
+    """Name of the solid's material, one of ``materials``."""
     clamped: list[str | BoxConfig] = Field([])
+    """What is held: names of boundaries or sets of nodes, planes, or boxes."""
     direction: Direction = "z"
+    """Direction of the damper's axis on the structure."""
 
 
 class PointMassConfig(Model):
@@ -94,9 +118,13 @@ class PointMassConfig(Model):
     """
 
     mass: Annotated[Mass, NOT_NEGATIVE]
+    """Mass of the empty damper with its fixtures, or of whatever sits there."""
     position: Length | Annotated[list[Length], Field(min_length=2, max_length=3)]
+    """Place along a beam, [x, y] on a plate, [x, y, z] on a mesh."""
     rotary_inertia: Annotated[quantity("kg m^2"), NOT_NEGATIVE] = 0.0
+    """Moment of inertia about the axis of bending; on beams only."""
     footprint: Annotated[Length, POSITIVE] | None = None
+    """Diameter of what the mass stands on; on plates and meshes."""
 
 
 class FurtherDamperConfig(DamperConfig):
@@ -107,9 +135,13 @@ class FurtherDamperConfig(DamperConfig):
     """
 
     point_mass: PointMassConfig | None = None
+    """Empty damper and its place, on computed modes."""
     node: StrictInt | None = None
+    """Node on which it sits, on modes from a file."""
     position: Annotated[list[Length], Field(min_length=3, max_length=3)] | None = None
+    """Place on which it sits, the nearest node, on modes from a file."""
     amplitude: Annotated[list[quantity("kg^-0.5")], Field(min_length=1)] | None = None
+    """Mass-normalised shape of each mode at its place, with its sign, on modes given in numbers."""
 
     @property
     def place(self) -> str:
@@ -133,12 +165,19 @@ class ModeFileConfig(Model):
     """
 
     file: str
+    """File, beside the configuration, or a full path."""
     node: StrictInt | None = None
+    """Node on which the damper sits."""
     position: Annotated[list[Length], Field(min_length=3, max_length=3)] | None = None
+    """Place on which the damper sits: the nearest node."""
     direction: Direction = "z"
+    """Direction of the damper's axis on the structure."""
     modal_mass: Annotated[Mass, POSITIVE] | list[Annotated[Mass, POSITIVE]] | None = None
+    """Modal mass of the shapes as they are written, one or one per mode, where the file does not say."""
     participation: list[Participation] | None = None
+    """Participation factor of each mode, for a base that moves."""
     units: Literal["SI", "BG", "MG", "BA", "MM", "CM", "IN", "GM", "MM-N"] | None = None
+    """System of units of a universal file that does not say."""
 
     @model_validator(mode="after")
     def _one_place(self):
@@ -154,11 +193,17 @@ class GivenModeConfig(Model):
     """
 
     frequency: Annotated[Frequency, POSITIVE]
+    """Natural frequency."""
     modal_mass: Annotated[Mass, POSITIVE] | None = None
+    """Modal mass of the shape scaled to 1 at the damper."""
     amplitude: Annotated[quantity("kg^-0.5"), POSITIVE] | None = None
+    """Mass-normalised shape at the damper, 1 / sqrt(modal_mass)."""
     damping: Damping = 0.0
+    """Damping ratio without the damper."""
     participation: Participation | None = None
+    """Participation factor of the mode, for a base that moves."""
     number: ModeNumber | None = None
+    """Number of the mode in the results; left out: its place in the list."""
 
     @model_validator(mode="after")
     def _scaled(self):
@@ -181,15 +226,25 @@ class StructureConfig(Model):
     """The vibrating structure that the damper sits on, by exactly one of the first five keys."""
 
     beam: BeamConfig | None = None
+    """A straight beam, whose modes are computed."""
     plate: PlateConfig | None = None
+    """A rectangular plate, whose modes are computed."""
     mesh: MeshConfig | None = None
+    """A solid from a mesh file, whose modes are computed."""
     mode_file: ModeFileConfig | None = None
+    """Modes from a measurement or another program."""
     modes_given: Annotated[list[GivenModeConfig], Field(min_length=1)] | None = None
+    """Modes in numbers, one or more."""
     point_mass: PointMassConfig | None = None
+    """The empty damper and its place; on computed modes."""
     other_masses: list[PointMassConfig] = Field([])
+    """Other masses fixed to the structure; on computed modes."""
     particles_included: bool | None = None
+    """Of known modes: whether they were found with the particles in place; if not, their mass is added."""
     modes: Annotated[list[Annotated[StrictInt, Field(ge=1, le=200)]], Field(min_length=1)] | None = None
+    """Numbers of the modes to damp; of known modes, left out: all that move the damper."""
     inherent_damping: Damping | list[Damping] | None = None
+    """Damping ratio of the bare structure, one or one per mode, added to what the damper gives."""
 
     @property
     def source(self) -> str:

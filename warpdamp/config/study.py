@@ -9,18 +9,31 @@ from pydantic import (
     Field,
     PrivateAttr,
     StrictInt,
+    ValidationError,
     field_validator,
     model_validator,
 )
 
 from ..errors import ConfigError, printable
 from ..numerics.tolerance import FEWEST_PACKINGS
+from ..scene.effects import Device
+from ..scene.materials import LIBRARY
 from .base import POSITIVE as _positive
 from .base import Model
 from .coupled import CoupledConfig
 from .damper import WALLS, ContactConfig, DamperConfig, EffectsConfig, ExcitationConfig, MaterialConfig, between
-from .messages import keys, place, suggestion
-from .preparation import PreparationConfig, Word, carried_path, check_preparation, read_preparation
+from .design import DesignConfig
+from .library import COMMAND, written_out
+from .messages import closest, is_union_name, keys, place, suggestion
+from .preparation import (
+    PreparationConfig,
+    Word,
+    carried_path,
+    check_preparation,
+    made_with,
+    read_preparation,
+    while_made,
+)
 from .quantities import Number, Time
 from .structure import FurtherDamperConfig, StructureConfig, check_further
 from .sweep import SweepConfig
@@ -30,9 +43,13 @@ class SteadyConfig(Model):
     """End of a case.  ``paper``: fixed times, 0.2 s of settling and 0.3 s of shaking, for comparison."""
 
     recipe: Literal["detect", "paper"] = "detect"
+    """``detect``: until steady; ``paper``: 0.2 s of settling and 0.3 s of shaking, for comparison."""
     standard_error: Annotated[Number, _positive] = 0.02
+    """Relative standard error of the energy per cycle at which a case may end."""
     fewest_cycles: Annotated[StrictInt, Field(ge=8)] = 30
+    """Cycles that a case runs at least."""
     most_cycles: Annotated[StrictInt, Field(ge=8)] = 1000
+    """Cycles after which a case ends, whether it is steady or not; its status says which."""
 
     @model_validator(mode="after")
     def _ordered(self):
@@ -48,7 +65,9 @@ class AccuracyConfig(Model):
     """
 
     tolerance: Annotated[Number, Field(gt=0, le=0.5)]
+    """Relative standard error wanted of the energy per cycle, all its parts together."""
     most_packings: Annotated[StrictInt, Field(ge=FEWEST_PACKINGS, le=100)] = 32
+    """Packings that a point may be given, at most."""
 
     @model_validator(mode="before")
     @classmethod
@@ -61,36 +80,64 @@ class AccuracyConfig(Model):
 
 
 class NumericsConfig(Model):
-    """Precision and step of the motion."""
+    """Precision and step of the motion, and the device that computes it."""
 
+    device: Device = "cpu"
+    """Device that simulates; one that this machine lacks is refused."""
     precision: Literal["float64", "float32"] = "float64"
+    """Of the motion; the ledger is always of float64."""
     steps_per_contact: Annotated[Number, Field(ge=10)] = 24.0
+    """Steps in the shortest contact expected; the step divides the period."""
     step: Literal["auto"] | Annotated[Time, _positive] = "auto"
+    """Length of a step; ``auto``: from ``steps_per_contact``."""
 
 
 class Config(Model):
     """Study: a damper, its excitation, and the structure it sits on."""
 
     title: str = "Granular damper"
+    """Title of pictures and results."""
     structure: StructureConfig | None = None
+    """The structure that the damper sits on; without it there is effectiveness, but no modal damping."""
     damper: DamperConfig
+    """The damper: a cavity and what is in it."""
     dampers: list[FurtherDamperConfig] = Field([])
+    """Further dampers on the same structure."""
     materials: Annotated[
         dict[Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_-]*$")], MaterialConfig], Field(min_length=1)
     ]
+    """Materials by names of your own."""
     contact: ContactConfig
+    """What happens where particles touch each other and the walls."""
     excitation: ExcitationConfig
+    """How the cavity is shaken."""
     preparation: Word | PreparationConfig = "compacted"
+    """State of the bed before a case: ``loose`` as poured, ``compacted``, ``carried``, or a state asked for."""
     steady_state: SteadyConfig = SteadyConfig()
+    """When a case ends."""
     accuracy: AccuracyConfig | None = None
+    """Accuracy asked for, in a word or as a tolerance: step, length of cases and packings follow from it."""
     effects: EffectsConfig = EffectsConfig()
+    """Effects forced on or off."""
     numerics: NumericsConfig = NumericsConfig()
+    """Precision and step."""
     seeds: list[Annotated[StrictInt, Field(ge=0)]] = Field([1], min_length=1)
+    """A random packing for each."""
 
     sweep: SweepConfig | None = None
+    """Scalars, by their paths, that take several values."""
     coupled: CoupledConfig | None = None
+    """Runs in which the structure answers, of ``warpdamp coupled``."""
+    design: DesignConfig | None = None
+    """Damper that is looked for: `warpdamp design`."""
+    """What a damper is to be designed for, of ``warpdamp design``."""
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_the_library(cls, values):
+        return written_out(values) if isinstance(values, dict) else values
 
     @field_validator("preparation", mode="wrap")
     @classmethod
@@ -128,7 +175,9 @@ class Config(Model):
             named[f"structure.{self.structure.source}.material"] = material
         for where, name in named.items():
             if name not in self.materials:
-                raise ValueError(f"{where}: there is no material '{name}'{suggestion(name, self.materials)}")
+                known = [*self.materials, *LIBRARY]
+                close = suggestion(name, known) if closest(name, known) else f": define it under materials; {COMMAND}"
+                raise ValueError(f"{where}: there is no material '{name}'{close}")
         for name in self.materials:
             if name not in named.values():
                 raise ValueError(f"materials.{name}: is not used by anything: leave it out")
@@ -140,6 +189,8 @@ class Config(Model):
         if len(set(self.seeds)) < len(self.seeds):
             raise ValueError("seeds: each seed once")
         self._check_dampers()
+        self._check_design()
+        self._check_rotation()
         grains = [p.material for damper in (self.damper, *self.dampers) for p in damper.mixture]
         for key in self.contact.pairs:
             for name in between(key):
@@ -152,10 +203,46 @@ class Config(Model):
                     raise ValueError(
                         f"{cavity}.enclosure.{name}: gravity draws the particles out where there is no {name}"
                     )
-        check_preparation(self.preparation, {name: damper.enclosure for name, damper in cavities.items()}, gravities)
+        check_preparation(self.preparation, cavities, gravities)
+        if made_with(self.preparation):
+            self.while_made()
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
             raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
         return self
+
+    def while_made(self) -> Config:
+        """The configuration that beds are made with: this one, but for what ``preparation.made_with`` says."""
+        if not made_with(self.preparation):
+            return self
+        try:
+            return Config.model_validate(while_made(self.model_dump(), self.preparation))
+        except ValidationError as error:
+            first = error.errors()[0]
+            key = ".".join(("preparation.made_with", *(str(part) for part in first["loc"] if not is_union_name(part))))
+            message = first["msg"].removeprefix("Value error, ")
+            raise ValueError(f"{key}: {message[:1].lower()}{message[1:]}") from None
+
+    def _check_design(self):
+        """One damper, on a structure, is looked for at the structure's modes."""
+        if not self.design:
+            return
+        if not self.structure:
+            raise ValueError("design: a damper is designed for a structure: say which, under structure")
+        for other in ("dampers", "sweep"):
+            if getattr(self, other):
+                raise ValueError(f"{other}: is not for a design, which has one damper and variables of its own")
+        if self.excitation.frequency != "modes":
+            raise ValueError("excitation.frequency: a design is for the structure's modes: leave it out")
+        if self.preparation == "carried" or carried_path(self.preparation):
+            raise ValueError("preparation: a design takes loose or compacted beds, not carried ones")
+        wanted, there = self.design.target.modes, self.structure.modes
+        if wanted and there and not set(wanted) <= set(there):
+            raise ValueError(f"design.target.modes: are not all among structure.modes ({', '.join(map(str, there))})")
+
+    def _check_rotation(self):
+        """Spheroids turn: without it their contacts would do work that no energy knows of."""
+        if self.effects.rotation is False and any(damper.spheroids for damper in (self.damper, *self.dampers)):
+            raise ValueError("effects.rotation: spheroids turn whatever they touch: leave it out, or take spheres")
 
     def _check_dampers(self):
         """Several dampers sit on one structure, and are shaken at its modes as hard as each one's place moves."""

@@ -24,16 +24,22 @@ Quantity = StrictInt | StrictFloat | StrictStr
 
 
 class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True, use_attribute_docstrings=True
+    )
 
 
 class Range(_Model):
     """Range of ``n`` values, evenly spaced (``from``, ``to``) or in equal ratios (``log``)."""
 
     from_: Quantity | None = Field(default=None, alias="from")
+    """First value."""
     to: Quantity | None = None
+    """Last value."""
     log: tuple[Quantity, Quantity] | None = None
+    """First and last value of a range in equal ratios."""
     n: Annotated[StrictInt, Field(ge=2, le=1_000_000)]
+    """Number of values."""
 
     @model_validator(mode="after")
     def _one_kind(self):
@@ -113,22 +119,29 @@ class Span(_Model):
     """Interval of samples, evenly distributed in the logarithm."""
 
     log: tuple[Quantity, Quantity]
+    """Ends of the interval."""
 
 
 class SampleConfig(_Model):
     """Sample of ``n`` points over the ranges of several scalars."""
 
     method: Literal["sobol", "latin_hypercube"] = "sobol"
+    """Sobol sequence, or Latin hypercube."""
     n: Annotated[StrictInt, Field(ge=1, le=10_000_000)]
+    """Number of points."""
     seed: Annotated[StrictInt, Field(ge=0)] = 0
+    """Of the sample."""
     over: Annotated[dict[str, tuple[Quantity, Quantity] | Span], Field(min_length=1)]
+    """Interval of each scalar, by its path."""
 
 
 class Between(_Model):
     """Closed interval of values."""
 
     from_: Quantity = Field(alias="from")
+    """Lower end."""
     to: Quantity
+    """Upper end."""
 
 
 class SweepConfig(_Model):
@@ -139,10 +152,15 @@ class SweepConfig(_Model):
     """
 
     product: dict[str, Values] = {}
+    """Values of each scalar, by its path: every combination, a dimension each."""
     zip: list[Annotated[dict[str, Values], Field(min_length=1)]] = []
+    """Groups of scalars that change together, along the dimension ``case``."""
     sample: SampleConfig | None = None
+    """Random points in ranges, along the dimension ``case``."""
     csv: str | None = None
+    """Table beside the configuration, whose columns are paths, along the dimension ``case``."""
     exclude: list[Annotated[dict[str, Scalar | list[Scalar] | Between], Field(min_length=1)]] = []
+    """Combinations to leave out: where all of an entry holds."""
 
     def keys(self) -> list[str]:
         """Paths of the scalars that it varies, as written; those of a table beside it are not among them."""

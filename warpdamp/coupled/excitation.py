@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -85,15 +86,21 @@ def ends_within(signal: Signal, duration: float) -> bool:
     return (last + 1) * signal.sample_step <= (1 - response.TAPER) * duration
 
 
-def start(own: CoupledConfig, modes: Modes, level: float, weight: float) -> tuple[float, ...]:
-    """Modal coordinates at the start: as released; before a record, at rest under the particles' ``weight`` [N]."""
+def start(own: CoupledConfig, modes: Modes, level: float, weight: np.ndarray) -> tuple[float, ...]:
+    """Modal coordinates at the start: as released; before a record, at rest under the particles' weight.
+
+    Parameters
+    ----------
+    weight : (m,) array
+        Modal force of the particles' weight on each mode [N kg^-0.5].
+    """
     place = np.zeros(len(modes.number))
     w = 2 * math.pi * modes.frequency
     if own.release:
         k = int(np.flatnonzero(modes.number == own.release.mode)[0])
         place[k] = level * own.release.gamma * STANDARD_GRAVITY / w[k] ** 2 / modes.amplitude[k]
     elif own.signals.recorded:
-        place = modes.amplitude * weight / w**2
+        place = weight / w**2
     return tuple(place)
 
 
@@ -115,20 +122,36 @@ def content(own: CoupledConfig, signal: Signal | None) -> float:
     return random.spectrum[-1][0] if random and random.spectrum else 0.0
 
 
-def largest_speed(host: HostStructure, modes: Modes, particles: float, duration: float) -> float:
-    """Speed of the enclosure [m/s], if the particles were one rigid mass [kg]: the step is chosen for it."""
-    if host.excitation is None:
-        return host.speed
-    time = forces.moments(host.excitation, duration)
-    signal = forces.applied(host.excitation, time)
-    loaded = modes.with_mass(particles)
-    load, speed = loaded.amplitude, np.zeros(len(time))
-    if host.base:
+def largest_speed(hosts: Sequence[HostStructure], loaded: Modes, amplitudes: np.ndarray, duration: float) -> float:
+    """Largest speed of the enclosures [m/s], if the particles in each were one rigid mass: the step is chosen for it.
+
+    Parameters
+    ----------
+    hosts : of HostStructure
+        The structure as each damper sees it.
+    loaded : Modes
+        Its modes with those masses, as the first damper sees them.
+    amplitudes : (dampers, m) array
+        Their shapes at all dampers [kg^-0.5].
+    duration : [s]
+    """
+    excitation = hosts[0].excitation
+    if excitation is None:
+        return max(host.speed for host in hosts)
+    time = forces.moments(excitation, duration)
+    signal = forces.applied(excitation, time)
+    load, base = loaded.amplitude, np.zeros(len(time))
+    if hosts[0].base:
         load = -base_participation(loaded)
-        speed = np.cumsum(signal - signal.mean()) * time[1]
-    for f, phi, own, zeta in zip(loaded.frequency, loaded.amplitude, load, loaded.inherent_damping, strict=True):
-        speed = speed + phi * own * _modal_speed(signal, time[1], f, max(zeta, LEAST_DAMPING))
-    return float(np.abs(speed).max())
+        base = np.cumsum(signal - signal.mean()) * time[1]
+    answers = [
+        _modal_speed(signal, time[1], f, max(zeta, LEAST_DAMPING))
+        for f, zeta in zip(loaded.frequency, loaded.inherent_damping, strict=True)
+    ]
+    return max(
+        float(np.abs(sum((phi * own * v for phi, own, v in zip(there, load, answers, strict=True)), base)).max())
+        for there in amplitudes
+    )
 
 
 def _modal_speed(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:

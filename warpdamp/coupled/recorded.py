@@ -1,7 +1,8 @@
 """Recorded signals, a force or the acceleration of a base over time, from text tables.
 
-The columns are time_s, and force_N, acceleration_m_s2 or acceleration_g; other units are written as time_ms, force
-[lbf] or acceleration (mm/s^2), as those of FRFs.  Encodings, separators and decimal marks are those of ``text_table``.
+The columns are time_s, and force_N, acceleration_m_s2 or acceleration_g (g = 9.80665 m/s^2, that of units); other
+units are written as time_ms, force [lbf] or acceleration (mm/s^2), as those of FRFs.
+Encodings, separators and decimal marks are those of ``text_table``.
 """
 
 from __future__ import annotations
@@ -47,18 +48,20 @@ def samples(path: Path, quantity: str) -> tuple[np.ndarray, float]:
         raise UsageError(f"{path}: the {quantity} is zero throughout")
     step = time[-1] / (len(time) - 1)
     if time[0] != 0 or step <= 0 or np.abs(time - step * np.arange(len(time))).max() > UNEVEN * step:
-        raise UsageError(f"{path}: the time must start at 0 and be evenly spaced: resample the record")
+        line = table.lines[_odd(time)]
+        raise UsageError(f"{path}:{line}: the time must start at 0 and be evenly spaced: resample the record")
     return np.append(values, 0.0), float(step)
+
+
+def _odd(time: np.ndarray) -> int:
+    """Row at which the time is odd: the first, or that after the step that is most unlike the usual one."""
+    steps = np.diff(time)
+    return 0 if time[0] != 0 else 1 + int(np.argmax(np.abs(steps - np.median(steps))))
 
 
 def _columns(table: TextTable, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     """Times and values in SI, by the names of their columns."""
     place = f"{table.file}:{table.header_line or table.lines[0]}"
-    if table.preamble:
-        odd = table.preamble[0]
-        raise UsageError(
-            f"{table.file}:{odd.line}: '{' '.join(odd.cells)}' is neither names nor numbers: delete the line"
-        )
     names = [column.name.lower().partition("_")[0].strip() for column in table.columns]
     if sorted(names) != sorted(("time", quantity)):
         got = ", ".join(map(str, table.columns)) or "no names"

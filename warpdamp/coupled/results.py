@@ -41,8 +41,11 @@ def assembled(
     own, seeds = config.coupled, config.seeds
     shape = (len(own.levels), len(seeds))
     records = np.array([[found[i, j]["records"] for j in range(shape[1])] for i in range(shape[0])])
-    time = records[0, 0, :, 0]
-    series = ("level", "seed", "time")
+    several = records.shape[2] > 1
+    if not several:
+        records = records[:, :, 0]
+    time = records[(0,) * (records.ndim - 2)][:, 0]
+    series = ("level", "seed", *(("damper",) if several else ()), "time")
     data = {
         "structure_displacement": (series, records[..., 1]),
         "structure_acceleration": (series, records[..., 2]),
@@ -53,8 +56,15 @@ def assembled(
         data[name] = (("level", "time"), np.array([forces.applied(signal, time) for signal in signals]))
     for name in ("force_work", "structure_loss", "particle_loss", "closure", "cpu_time"):
         shown = "base_work" if own.base and name == "force_work" else name
-        data[shown] = (("level", "seed"), [[found[i, j][name] for j in range(shape[1])] for i in range(shape[0])])
-    dataset = xr.Dataset(data, {"level": own.levels, "seed": seeds, "time": ("time", time, {"units": "s"})})
+        values = np.array([[found[i, j][name] for j in range(shape[1])] for i in range(shape[0])])
+        if name == "particle_loss":
+            data[shown] = (series[:-1], values if several else values[..., 0])
+        else:
+            data[shown] = (("level", "seed"), values)
+    coords = {"level": own.levels, "seed": seeds, "time": ("time", time, {"units": "s"})}
+    if several:
+        coords["damper"] = ("damper", np.arange(1, 1 + records.shape[2]), {"units": "1", "long_name": "damper"})
+    dataset = xr.Dataset(data, coords)
     read = _identified(own, runs, found, shape)
     dataset = describe(dataset.merge(read).merge(_root_mean_squares(own, dataset, signals)))
     dataset.attrs = {"title": f"{config.title}, coupled", **provenance(), "configuration": resolved_yaml(config)}
@@ -82,25 +92,25 @@ def _root_mean_squares(own: CoupledConfig, dataset: xr.Dataset, signals: list[Si
 
 
 def _identified(own: CoupledConfig, runs, found, shape) -> xr.Dataset:
-    """Dataset of what an experimenter would identify from the records."""
+    """Dataset of what an experimenter would identify from the records at the first damper."""
     import xarray as xr
 
-    host = runs[0, 0].scene.host
+    host = runs[0, 0].host
     if own.release or own.signals.harmonic:
         if len(host.frequency) > 1:
             return xr.Dataset()
         read = {
-            index: from_decay(one["records"])
+            index: from_decay(one["records"][0])
             if own.release
-            else from_response(one["records"], runs[index].scene.host, WINDOW)
+            else from_response(one["records"][0], runs[index].host, WINDOW)
             for index, one in found.items()
         }
         return _windows(read, shape)
     step = runs[0, 0].dt * host.record
     curves, moving = [], 0.0
     for i in range(shape[0]):
-        signal = runs[i, 0].scene.host.excitation
-        records = [found[i, j]["records"] for j in range(shape[1])]
+        signal = runs[i, 0].host.excitation
+        records = [found[i, j]["records"][0] for j in range(shape[1])]
         if own.signals.recorded and ends_within(signal, own.duration):
             moving = max(moving, *(response.still_moving(one[:, 1]) for one in records))
             frequency, curve = response.whole(signal, [one[:, 1] for one in records], step)

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from ..errors import PackingError
-from ..scene.particles import sphere_volume
+from ..scene.particles import UPRIGHT, Grains, sphere_volume
 from ..scene.scene import Cylinder
+from ..scene.shape import aspects, bounding_radius, two_ends_at_the_side
 from .case import GROWN
+from .fire import minimised
+from .spheroids import FEW, MOST, random_start, turned_apart
 
 
 def fill(radius, enclosure: Cylinder) -> float:
@@ -21,8 +25,7 @@ def fill(radius, enclosure: Cylinder) -> float:
 def separate(radius, enclosure: Cylinder, seed: int) -> np.ndarray:
     """Positions of particles in the closed cavity, random and without any overlap, (n, 3) [m].
 
-    Random points are pushed apart as slightly grown soft spheres by the FIRE minimiser (Bitzek et al. 2006,
-    doi:10.1103/PhysRevLett.97.170201).
+    Random points are pushed apart as slightly grown soft spheres, see ``fire``.
 
     Raises
     ------
@@ -31,12 +34,8 @@ def separate(radius, enclosure: Cylinder, seed: int) -> np.ndarray:
     """
     radius = np.asarray(radius, float)
     rng = np.random.default_rng(seed)
+    _check_fit(radius, enclosure)
     reach = enclosure.diameter / 2 - radius
-    if np.any(reach <= 0) or np.any(2 * radius >= enclosure.height):
-        raise PackingError(
-            f"a particle of diameter {2e3 * radius.max():g} mm does not fit a cavity of "
-            f"{1e3 * enclosure.diameter:g} x {1e3 * enclosure.height:g} mm"
-        )
     rho = reach * np.sqrt(rng.random(len(radius)))
     angle = 2 * np.pi * rng.random(len(radius))
     z = radius + (enclosure.height - 2 * radius) * rng.random(len(radius))
@@ -45,39 +44,65 @@ def separate(radius, enclosure: Cylinder, seed: int) -> np.ndarray:
     position, fits = _push_apart(start, GROWN * radius, enclosure)
     if fits:
         return position
+    raise _too_many(radius, enclosure, lambda scale: _push_apart(start, scale * GROWN * radius, enclosure)[1])
+
+
+def place(grains: Grains, enclosure: Cylinder, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Positions [m] and axes of particles in the closed cavity, random and without any overlap, two of (n, 3).
+
+    Spheroids start at random points with random axes, and are pushed apart and turned in the same way as spheres.
+
+    Raises
+    ------
+    PackingError
+        As ``separate``; also if a spheroid might touch the side at both ends at once.
+    """
+    radius, aspect = np.asarray(grains.radius, float), aspects(grains)
+    if np.all(aspect == 1):
+        return separate(radius, enclosure, seed), np.tile(UPRIGHT, (len(radius), 1))
+    _check_fit(bounding_radius(radius, aspect), enclosure)
+    if refusal := two_ends_at_the_side(radius, aspect, enclosure.diameter / 2):
+        raise PackingError(refusal)
+    start = random_start(radius, aspect, enclosure, seed)
+    position, axis, fits = turned_apart(*start, GROWN * radius, aspect, enclosure, most=MOST)
+    if fits:
+        return position, axis
+
+    def fits_at(scale: float) -> bool:
+        return turned_apart(*start, scale * GROWN * radius, aspect, enclosure, most=FEW)[2]
+
+    raise _too_many(radius, enclosure, fits_at)
+
+
+def _check_fit(bound: np.ndarray, enclosure: Cylinder) -> None:
+    """Refuse particles that the cavity cannot hold."""
+    if np.any(2 * bound >= min(enclosure.diameter, enclosure.height)):
+        raise PackingError(
+            f"a particle of diameter {2e3 * bound.max():g} mm does not fit a cavity of "
+            f"{1e3 * enclosure.diameter:g} x {1e3 * enclosure.height:g} mm"
+        )
+
+
+def _too_many(radius: np.ndarray, enclosure: Cylinder, fits: Callable[[float], bool]) -> PackingError:
+    """Refusal with the largest fill that random packing reached, found by smaller particles."""
     low, high = 0.0, 1.0  # scale of the radii
     for _ in range(7):
         middle = (low + high) / 2
-        _, fits = _push_apart(start, middle * GROWN * radius, enclosure)
-        low, high = (middle, high) if fits else (low, middle)
+        low, high = (middle, high) if fits(middle) else (low, middle)
     asked = fill(radius, enclosure)
-    raise PackingError(
+    return PackingError(
         f"too many particles: they would fill {asked:.3f} of the cavity, and random packing reached "
         f"{asked * low**3:.3f}; take at most {math.floor(len(radius) * low**3)} of them, or a larger cavity"
     )
 
 
-def _push_apart(position, radius, enclosure, most: int = 6000):
+def _push_apart(position, radius, enclosure):
     """Minimise the overlaps, in units of the mean radius; returns positions and whether the true spheres are apart."""
     unit = float(np.mean(radius))
     x, r = position / unit, radius / unit
     half, height = enclosure.diameter / 2 / unit, enclosure.height / unit
-    allowed = 0.9 * (1 - 1 / GROWN)  # overlap of the grown spheres that leaves the true ones apart
-    v, dt, mixing, downhill = np.zeros_like(x), 0.1, 0.1, 0
-    for _ in range(most):
-        force, worst = _overlap_forces(x, r, half, height)
-        if worst < allowed:
-            return x * unit, True
-        if np.vdot(force, v) > 0:
-            downhill += 1
-            v = (1 - mixing) * v + mixing * force * np.linalg.norm(v) / np.linalg.norm(force)
-            if downhill > 5:
-                dt, mixing = min(1.1 * dt, 0.5), 0.99 * mixing
-        else:
-            v, dt, mixing, downhill = np.zeros_like(x), 0.5 * dt, 0.1, 0
-        v = v + dt * force
-        x = x + dt * v
-    return x * unit, False
+    x, apart = minimised(x, lambda x: _overlap_forces(x, r, half, height), lambda x, way: x + way)
+    return x * unit, apart
 
 
 def _overlap_forces(x, r, half, height):

@@ -20,15 +20,17 @@ from pathlib import Path
 
 import numpy as np
 
+from ..engine.device import check_device
 from ..errors import PackingError
 from ..files import cache_folder, keep, locked
 from ..scene.effects import Effects
 from ..scene.particles import State
 from ..scene.scene import Drive, Scene
+from ..scene.shape import aspects
 from .asked import brought
 from .case import Packing, Request
 from .compaction import compact, frictionless, measured_clearance, upright_scenes
-from .placement import separate
+from .placement import place
 from .settling import settle
 
 _log = logging.getLogger(__name__)
@@ -52,6 +54,7 @@ def prepare(request: Request) -> Packing:
     >>> round(1e3 * bed.clearance, 1)  # one layer: the height less a diameter, 40 - 7.46 [mm]
     32.5
     """
+    check_device(request.numerics.device)
     path = cache_folder("beds") / f"{request.key()}.npz"
     if (stored := _stored(path)) is not None:
         return stored
@@ -92,8 +95,9 @@ def effects(request: Request) -> set[Effects]:
 def _make(request: Request) -> Packing:
     scene, numerics = request.scene, request.numerics
     _check_walls(scene)
-    position = separate(request.grains.radius, scene.enclosure, request.seed)
-    state = State.at_rest(position, request.grains.radius, request.grains.species)
+    grains = request.grains
+    position, axis = place(grains, scene.enclosure, request.seed)
+    state = State.at_rest(position, grains.radius, grains.species, aspect=aspects(grains), axis=axis)
     if request.preparation == "compacted":
         if not any(scene.gravity):
             raise PackingError("a bed cannot be compacted without gravity: ask for preparation: loose", "preparation")

@@ -127,7 +127,7 @@ def _average(batch: Batch, k: int, spec: Spec, criteria: Criteria, cycles: int) 
     precise = average.standard_error <= max(criteria.standard_error * average.mean, smallest)
     if (average.drifting or not precise) and cycles < criteria.most:
         return None
-    values = _values(ledger.between(average.discarded, cycles), spec, mass, smallest)
+    values = window_values(ledger.between(average.discarded, cycles), spec, mass, smallest)
     memory = bed_memory(fill(spec.bed.grains.radius, spec.scene.enclosure)) * average.mean
     return values | {
         "energy_dissipated": average.mean,
@@ -176,8 +176,19 @@ def _balanced(window: Ledger, drive: Drive, part: float, smallest: float) -> boo
     return max(abs(work - dissipated), abs(harmonic - dissipated)) <= max(part * dissipated, smallest)
 
 
-def _values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
-    """Values of the averaging window, per cycle."""
+def window_values(window: Ledger, spec: Spec, mass: float, smallest: float) -> dict:
+    """Values of the averaging window, per cycle.
+
+    Parameters
+    ----------
+    window : Ledger
+        At the ends of the cycles that are averaged.
+    spec : Spec
+    mass : float
+        Of all particles [kg].
+    smallest : float
+        Energy per cycle that residuals are compared with at the least [J].
+    """
     drive = spec.scene.drive
     cycles = len(window.rows) - 1
     reaction = window.reaction(drive)

@@ -7,13 +7,13 @@ after the other lie one after the other, too, as a processor expects; their own 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import warp as wp
 
 from ..kernels.structs import WALLS
-from ..scene.particles import ContactHistory, State, inverse_sphere_inertia
-from .device import DEVICE
+from ..scene.particles import ContactHistory, State
 
 FEWEST_ORDERED = 1000
 """Smaller beds lie in the processor's cache however they are numbered, and keep their own order."""
@@ -45,7 +45,7 @@ class Transfer:
     device : where the arrays lie
     """
 
-    def __init__(self, types, states: list[State], device: str = DEVICE):
+    def __init__(self, types, states: list[State], device: str):
         self.types = types
         self.device = device
         self.states = states
@@ -67,29 +67,26 @@ class Transfer:
     def particles(self, masses: list[np.ndarray]) -> wp.array:
         """Array of particles, of the given ``masses`` in each case [kg]."""
         particles = np.zeros(len(self), dtype=self.types.Particle.numpy_dtype())
-        radius = [s.radius for s in self.states]
+        constants = [state.constants(mass) for state, mass in zip(self.states, masses, strict=True)]
         for name in particles.dtype.names:
-            if name == "inverse_mass":
-                values = [1 / m for m in masses]
-            elif name == "inverse_inertia":
-                values = [inverse_sphere_inertia(m, r) for m, r in zip(masses, radius, strict=True)]
-            elif name in ("force", "torque", "listed"):
-                continue
-            else:
-                values = [getattr(s, name.removeprefix("half_")) for s in self.states]
-            self._set(particles[name], values)
+            plain = name.removeprefix("half_")
+            if name in constants[0]:
+                self._set(particles[name], [values[name] for values in constants])
+            elif hasattr(self.states[0], plain):
+                self._set(particles[name], [getattr(state, plain) for state in self.states])
         return self.array(particles, self.types.Particle)
 
     def contacts(self, laws: dict[str, list]):
         """Struct of the states' contact histories, with tables of ``laws``."""
-        numbered = [_numbered(s, order) for s, order in zip(self.states, self.order, strict=True)]
+        known = self.types.Contacts.vars
+        states = [_placed(s) for s in self.states] if "normal" in self.types.History.vars else self.states
+        numbered = [_numbered(s, order) for s, order in zip(states, self.order, strict=True)]
         pairs = np.concatenate([p + first for (p, _), first in zip(numbered, self.first[:-1], strict=True)])
         start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(self)))])
         c = self.types.Contacts()
         c.start, c.owner, c.partner = (self.array(a, wp.int32) for a in (start, pairs[:, 0], pairs[:, 1]))
         c.nearby, c.touching = (wp.empty(len(pairs), dtype=wp.int32, device=self.device) for _ in range(2))
         c.touching_walls = wp.empty(WALLS * len(self), dtype=wp.int32, device=self.device)
-        known = self.types.Contacts.vars
         for name in known.keys() & laws.keys():
             setattr(c, name, wp.array(laws[name], dtype=self.types.Law, device=self.device))
         if "pair" in known:
@@ -97,7 +94,7 @@ class Transfer:
             pair, wall = np.zeros(len(pairs), dtype), np.zeros((len(self), WALLS), dtype)
             for name in pair.dtype.names:
                 pair[name] = np.concatenate([getattr(history, name) for _, history in numbered])
-                self._set(wall[name], [getattr(s.wall_history, name) for s in self.states])
+                self._set(wall[name], [getattr(s.wall_history, name) for s in states])
             c.pair, c.wall = (self.array(memory.ravel(), self.types.History) for memory in (pair, wall))
         return c
 
@@ -128,11 +125,13 @@ class Transfer:
             spin=of_particles("half_spin", before.spin),
             radius=before.radius.copy(),
             species=before.species.copy(),
+            axis=of_particles("axis", before.axis),
+            aspect=before.aspect.copy(),
             wall_history=wall_history,
-            **self._touching(k, contacts),
+            **self._touching(k, particles, contacts),
         )
 
-    def _touching(self, k: int, contacts) -> dict:
+    def _touching(self, k: int, particles, contacts) -> dict:
         """The pairs of case ``k`` that touch, and what they remember."""
         if "pair" not in self.types.Contacts.vars:
             return {}
@@ -142,8 +141,31 @@ class Transfer:
         rows = start[0] + np.flatnonzero(memory["radius"][start[0] : start[-1]] > 0)
         numbers = np.stack([contacts.owner.numpy()[rows], contacts.partner.numpy()[rows]], axis=1)
         pairs = self.order[k][numbers - first]
-        history = _recalled(memory, rows).seen_from_the_other(pairs[:, 0] > pairs[:, 1])
+        position = particles.numpy()["position"]
+        between = position[numbers[:, 0]] - position[numbers[:, 1]] if "arm" in memory.dtype.names else None
+        history = _recalled(memory, rows).seen_from_the_other(pairs[:, 0] > pairs[:, 1], between)
         return {"pairs": np.sort(pairs, axis=1), "pair_history": history}
+
+
+def _placed(state: State) -> State:
+    """The state with normals and arms of contacts that spheres did not keep, for kernels of spheroids."""
+    i, j = state.pairs.T
+    branch = state.position[i] - state.position[j]
+    share = state.radius[i] / (state.radius[i] + state.radius[j])
+    pairs = _with_places(state.pair_history, branch, -share[:, None] * branch)
+    down = np.tile([0.0, 0.0, 1.0], (len(state), 1))
+    normal = np.stack([state.position * [-1, -1, 0], down, -down], axis=1)
+    length = np.linalg.norm(normal, axis=-1, keepdims=True)
+    arm = -state.radius[:, None, None] * normal / np.where(length > 0, length, 1.0)
+    return replace(state, pair_history=pairs, wall_history=_with_places(state.wall_history, normal, arm))
+
+
+def _with_places(history: ContactHistory, normal: np.ndarray, arm: np.ndarray) -> ContactHistory:
+    """The history with unit vectors along ``normal`` and with ``arm`` where it knows no normal of a contact."""
+    unknown = ((history.radius > 0) & ~np.any(history.normal, axis=-1))[..., None]
+    length = np.linalg.norm(normal, axis=-1, keepdims=True)
+    unit = normal / np.where(length > 0, length, 1.0)
+    return replace(history, normal=np.where(unknown, unit, history.normal), arm=np.where(unknown, arm, history.arm))
 
 
 def _recalled(memory: np.ndarray, order: np.ndarray) -> ContactHistory:
@@ -158,7 +180,8 @@ def _numbered(state: State, order: np.ndarray) -> tuple[np.ndarray, ContactHisto
     """The contacts of a state in the device's numbers and order: pairs and histories."""
     number = np.argsort(order)
     pairs = number[state.pairs]
-    history = state.pair_history.seen_from_the_other(pairs[:, 0] > pairs[:, 1])
+    between = state.position[state.pairs[:, 0]] - state.position[state.pairs[:, 1]]
+    history = state.pair_history.seen_from_the_other(pairs[:, 0] > pairs[:, 1], between)
     pairs = np.sort(pairs, axis=1)
     rows = np.lexsort((pairs[:, 1], pairs[:, 0]))
     return pairs[rows], history[rows]

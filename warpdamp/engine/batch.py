@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ import warp as wp
 
 from ..kernels.advance import stepper
 from ..kernels.columns import KernelStatus
+from ..kernels.coupled import coupled_stepper
 from ..kernels.lanes import lanes_for
 from ..kernels.neighbours import NO_GRID, neighbour_search
 from ..kernels.structs import PER_PAIR, SCRATCH, types
@@ -20,8 +22,8 @@ from ..scene.particles import State, inverse_sphere_inertia
 from ..scene.scene import Scene
 from . import checks as guards
 from .arrays import Transfer
-from .device import DEVICE
-from .hosts import HostStructures
+from .device import check_device
+from .hosts import HostStructures, shared
 from .ledger import Ledger
 
 SKIN = 0.2
@@ -88,8 +90,14 @@ class Batch:
         What the kernels are compiled for.  None: all that the cases call for.
     skin : float
         Extra reach of the neighbour lists, as a part of the smallest radius.  Sets speed, never results.
-    device : str
-        Where the batch runs.
+    enclosures : sequence of int or None
+        How many cases, one after the other, sit on one structure each, as (2, 1) of three cases: their scenes' hosts
+        are the same but for ``amplitude``, and a force acts at the first of them.  None: each has its own.
+
+    Raises
+    ------
+    ValueError
+        If a start is not finite or overlaps too deeply, or cases that share a structure differ in it or in their step.
     """
 
     def __init__(
@@ -100,15 +108,22 @@ class Batch:
         max_records: int = 0,
         effects: Effects | None = None,
         skin: float = SKIN,
-        device: str = DEVICE,
+        enclosures: Sequence[int] | None = None,
     ):
         self.cases = list(cases)
+        self._enclosures = shared(self.cases, enclosures)
         for case in self.cases:
             guards.check_values(case.state)
+            guards.check_shapes(case.scene, case.state)
         self.effects = effects or covering([called_for(case.scene, case.state) for case in self.cases])
+        for case in self.cases:
+            guards.check_walls(case.scene, self.effects)
         t = types(self.effects)
+        device = self.effects.device
+        check_device(device)
         self._types, self._device = t, device
-        self._advance, self._synchronise = stepper(self.effects, lanes_for(self.effects, device))
+        loop = stepper if all(self._enclosures) else coupled_stepper
+        self._advance, self._synchronise = loop(self.effects, lanes_for(self.effects))
         self._count_pairs, self._list_pairs = neighbour_search(self.effects)
 
         self._transfer = Transfer(t, [case.state for case in self.cases], device)
@@ -157,7 +172,7 @@ class Batch:
             "gravity": t.vec3(*scene.gravity),
             "direction": t.vec3(*(moved.direction if moved else (0.0, 0.0, 1.0))),
             "acceleration": drive.acceleration if drive else 0.0,
-            **hosts.add(scene.host, case.dt, self._max_records),
+            **hosts.add(scene.host, case.dt, self._max_records, self._enclosures[k]),
             "particle_radius": radius,
             "particle_curvature": 1 / radius,
             "particle_mass": float(np.sum(scene.masses(state))),
@@ -256,9 +271,11 @@ class Batch:
     def advance(self, steps) -> None:
         """Run every case on to its step number in ``steps`` (one for all, or one each).
 
-        A case whose state is no longer finite, or that has lost a particle, stops where it is; see ``status``.
+        A case whose state is no longer finite, or that has lost a particle, stops where it is, with all on its
+        structure; see ``status``.  Cases on one structure run to the step of the first of them.
         """
         target = np.broadcast_to(np.asarray(steps, np.int64), len(self.cases))
+        target = target[np.maximum.accumulate(np.where(self._enclosures, np.arange(len(self.cases)), 0))]
         self._target.assign(np.where(self.status == KernelStatus.OK, target, 0))
         while np.any(self.steps < self._target.numpy()):
             self._find_neighbours()
@@ -357,8 +374,6 @@ class Simulation(Batch):
     dt : step [s]
     effects : Effects or None
         What the kernels are compiled for.  None: what the scene calls for.
-    device : str
-        Where the simulation runs.
 
     Raises
     ------
@@ -381,10 +396,10 @@ class Simulation(Batch):
     True
     """
 
-    def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None, device: str = DEVICE):
+    def __init__(self, scene: Scene, state: State, dt: float, *, effects: Effects | None = None):
         guards.check_values(state)
         check_step(scene, state, dt)
-        super().__init__([Case(scene, state, dt)], effects=effects, device=device)
+        super().__init__([Case(scene, state, dt)], effects=effects)
         self._start = super().read()[0][1].rows
 
     def advance(self, steps: int) -> None:

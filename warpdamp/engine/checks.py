@@ -7,18 +7,36 @@ from collections.abc import Iterable
 import numpy as np
 
 from ..errors import SimulationError
+from ..scene.effects import WALLS, Effects
 from ..scene.particles import State
 from ..scene.scene import Scene
+from ..scene.shape import inscribed_radius, two_ends_at_the_side
+from ..scene.touch import pair_overlaps, wall_overlaps
 from .ledger import Ledger
 
 DEEPEST_START = 0.05
-"""Largest overlap of a given state, over the smaller radius: more would be released as energy from nowhere."""
+"""Largest overlap of a given state, over the smaller semi-axis: more would be released as energy from nowhere."""
 
 DEEPEST = 0.1
 """Largest overlap over the reduced radius: at a = 0.3 R* Hertz's theory ends."""
 
 LARGEST_RESIDUAL = 0.02
 """Ledger residual, over the energy turned over, beyond which figures are not to be trusted."""
+
+
+def check_walls(scene: Scene, effects: Effects) -> None:
+    """Refuse an open cavity among closed ones: kernels have a wall for all cases of a batch or for none.
+
+    Raises
+    ------
+    ValueError
+        Names the wall.
+    """
+    for wall in WALLS if scene.enclosure else ():
+        if getattr(effects, wall) and not getattr(scene.enclosure, wall):
+            raise ValueError(
+                f"a cavity without a {wall} cannot be in one batch with cavities that have one: make a batch of each"
+            )
 
 
 def check_values(state: State) -> None:
@@ -29,12 +47,27 @@ def check_values(state: State) -> None:
     ValueError
         Names the quantity and the particle.
     """
-    for name in ("position", "velocity", "spin", "radius"):
+    for name in ("position", "velocity", "spin", "radius", "axis", "aspect"):
         good = np.isfinite(getattr(state, name)).reshape(len(state), -1).all(axis=1)
         if not good.all():
             raise ValueError(f"the {name} of particle {int(np.argmin(good))} is not finite")
-    if np.any(state.radius <= 0):
-        raise ValueError(f"the radius of particle {int(np.argmin(state.radius))} is not positive")
+    for name in ("radius", "aspect"):
+        if np.any(getattr(state, name) <= 0):
+            raise ValueError(f"the {name} of particle {int(np.argmin(getattr(state, name)))} is not positive")
+
+
+def check_shapes(scene: Scene, state: State) -> None:
+    """Refuse particles that may touch a wall in two places at once.
+
+    Raises
+    ------
+    ValueError
+        Names the aspects that the cavity allows.
+    """
+    if scene.enclosure and scene.enclosure.side:
+        refused = two_ends_at_the_side(state.radius, state.aspect, scene.enclosure.diameter / 2)
+        if refused:
+            raise ValueError(refused)
 
 
 def check_overlaps(scene: Scene, state: State, parts: Iterable[np.ndarray]) -> None:
@@ -50,18 +83,17 @@ def check_overlaps(scene: Scene, state: State, parts: Iterable[np.ndarray]) -> N
     ValueError
         If a pair, or a particle and a wall, overlap by more than ``DEEPEST_START``; says which, and what to do.
     """
+    smallest = inscribed_radius(state.radius, state.aspect)
     deepest, where = 0.0, ""
     for pairs in parts:
         if not len(pairs):
             continue
         i, j = pairs.T
-        reach = state.radius[i] + state.radius[j]
-        overlap = reach - np.linalg.norm(state.position[i] - state.position[j], axis=1)
-        relative = overlap / np.minimum(state.radius[i], state.radius[j])
+        relative = pair_overlaps(state, pairs) / np.minimum(smallest[i], smallest[j])
         k = int(np.argmax(relative))
         deepest, where = max((deepest, where), (float(relative[k]), f"particles {i[k]} and {j[k]}"))
     if scene.enclosure:
-        wall, which = _deepest_wall(scene, state)
+        wall, which = _deepest_wall(scene, state, smallest)
         deepest, where = max((deepest, where), (wall, which))
     if deepest > DEEPEST_START:
         raise ValueError(
@@ -70,19 +102,9 @@ def check_overlaps(scene: Scene, state: State, parts: Iterable[np.ndarray]) -> N
         )
 
 
-def _deepest_wall(scene: Scene, state: State) -> tuple[float, str]:
-    cavity = scene.enclosure
-    x, y, z = state.position.T
-    depths = {
-        "side": np.hypot(x, y) + state.radius - cavity.diameter / 2,
-        "floor": state.radius - z,
-        "lid": z + state.radius - cavity.height,
-    }
-    deepest = {
-        name: (float(np.max(d / state.radius)), int(np.argmax(d / state.radius)))
-        for name, d in depths.items()
-        if getattr(cavity, name)
-    }
+def _deepest_wall(scene: Scene, state: State, smallest: np.ndarray) -> tuple[float, str]:
+    relative = {name: overlap / smallest for name, overlap in wall_overlaps(state, scene.enclosure).items()}
+    deepest = {name: (float(np.max(d)), int(np.argmax(d))) for name, d in relative.items()}
     if not deepest:
         return 0.0, ""
     name = max(deepest, key=lambda n: deepest[n])

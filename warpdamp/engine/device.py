@@ -8,6 +8,7 @@ import tempfile
 
 import warp as wp
 
+from ..errors import PackingError
 from ..files import cache_folder
 
 
@@ -34,5 +35,21 @@ def _start() -> None:
                 print(line, file=sys.stderr)
 
 
+def check_device(device: str) -> None:
+    """Refuse a device that this machine lacks.
+
+    Raises
+    ------
+    PackingError
+        With the devices that there are.
+    """
+    if device not in present():
+        raise PackingError(f"there is no {device} device here: take {' or '.join(present())}", "numerics.device")
+
+
+def present() -> list[str]:
+    """Kinds of devices of this machine, as "cpu" and "cuda"."""
+    return ["cpu", "cuda"][: 1 + wp.is_cuda_available()]
+
+
 _start()
-DEVICE = "cpu"

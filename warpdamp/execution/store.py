@@ -71,7 +71,7 @@ class Store:
 
     @classmethod
     def existing(cls, folder) -> Store:
-        """Store in a folder, or the only one below it.
+        """Store in a folder, or the only one below it, or that of the first look (``--quick``) beside it.
 
         Raises
         ------
@@ -81,6 +81,8 @@ class Store:
         folder = Path(folder)
         if (folder / "shards").is_dir():
             return cls(folder)
+        if (quick := folder.with_name(f"{folder.name}-quick") / "shards").is_dir() and folder.name:
+            return cls(quick.parent)
         below = sorted(path.parent for path in folder.glob("*/shards"))
         if len(below) == 1:
             return cls(below[0])

@@ -108,11 +108,13 @@ def _seconds(chains: list[list[Spec]], results, cpu: float) -> list[float]:
 
 
 def compile_kernels(scene: Scene, effects: Effects) -> None:
-    """Compile the kernels of a set of effects into the cache on disk."""
+    """Compile the kernels of a set of effects into the cache on disk; a device that is not there the beds refuse."""
     from ..damper.shake import warm_up
+    from ..engine.device import present
 
     with _alone:
-        warm_up(scene, effects)
+        if effects.device in present():
+            warm_up(scene, effects)
 
 
 def make_bed(request: Request) -> tuple[str, str] | None:

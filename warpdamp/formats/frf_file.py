@@ -74,9 +74,14 @@ def _read_netcdf(path: Path) -> xr.Dataset:
 
     try:
         dataset = xr.load_dataset(path)
-    except (ValueError, OSError, RuntimeError):
+    except (ValueError, OSError, RuntimeError, AttributeError):
         raise ModalError(f"{path}: is no netCDF file, or a damaged one") from None
     names = ("accelerance_real", "accelerance_imaginary")
+    if "branch" in dataset.variables:
+        raise ModalError(
+            f"{path}: holds branches at constant force, along which the damper's mass changes: no linear mode fits "
+            "them: fit the FRF at controlled Gamma, that of `warpdamp frf` without --constant-force"
+        )
     if not all(name in dataset and "frequency" in dataset[name].dims for name in names):
         raise ModalError(f"{path}: holds no FRF over frequency; `warpdamp frf RESULTS.nc -o FRF.nc` writes one")
     for name, unit in {"frequency": "Hz", **dict.fromkeys(names, "m s-2 N-1")}.items():

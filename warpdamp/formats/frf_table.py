@@ -127,9 +127,6 @@ def read_frf_table(file: Path, *, given: Ordinate | None = None, unit: str = "")
         If the file is no table of numbers.
     """
     table = read_table(file)
-    if table.preamble:
-        row = table.preamble[0]
-        raise ModalError(f"{file}:{row.line}: '{' '.join(row.cells)}' is neither names nor units: begin remarks with #")
     heads = {head.part: (head, table.values[:, k]) for k, head in enumerate(_heads(table))}
     head, frequency = heads[Part.FREQUENCY]
     frequency = frequency * _read(hertz, head.unit or "Hz", head.where)

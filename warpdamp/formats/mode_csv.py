@@ -104,11 +104,6 @@ def _quantities(table: TextTable) -> dict[str, np.ndarray]:
     """The columns in SI, by their quantities."""
     place = f"{table.file}:{max(table.header_line, 1)}"
     known = f"the columns are {', '.join(COLUMNS)}"
-    if table.preamble:
-        odd = table.preamble[0]
-        raise ModalError(
-            f"{table.file}:{odd.line}: '{' '.join(odd.cells)}' is neither names nor numbers: delete the line"
-        )
     if not table.columns:
         raise ModalError(f"{place}: has no line of names above the numbers; {known}")
     found, wrong = {}, []

@@ -15,10 +15,12 @@ import numpy as np
 from ..errors import ModalError
 from ..modes import Modes, mass_normalised
 from . import orthonormal
+from .apart import apart
 from .optional import needs
 from .uff_geometry import UNITS
 
 SUFFIXES = (".rst",)
+LIBRARY = "ansys.mapdl.reader"
 MODAL = 2
 """Ansys's code of a modal analysis (ANTYPE)."""
 REMEDY = "put the .full file of the run beside it, or give modal_mass, that of the shapes as they are: 1 kg by default"
@@ -43,11 +45,11 @@ def read_rst(path, *, modal_mass=None, units=None) -> Modes:
         or if the shapes are not orthogonal with respect to the mass matrix.
     """
     path = Path(path)
-    needs("ansys.mapdl.reader", "result files of Ansys", "ansys")
+    needs(LIBRARY, "result files of Ansys", "ansys")
     if units is None:
         raise ModalError(f"{path} does not say its units: give units, one of {', '.join(UNITS)}")
     length, force = UNITS[units]
-    label, point, frequency, shape = _results(path)
+    label, point, frequency, shape = apart(results, path, LIBRARY)
     number, full = np.arange(1, len(frequency) + 1), path.with_suffix(".full")
     remark = UNCHECKED
     if full.is_file():
@@ -83,8 +85,8 @@ def _open(file: Path):
         raise ModalError(f"{file} is no file of Ansys that can be read: {type(error).__name__}: {error}") from None
 
 
-def _results(file: Path):
-    """Labels, places and frequencies, and shapes (m, p, 3)."""
+def results(file: Path):
+    """Labels, places and frequencies, and shapes (m, p, 3), of a file, by the compiled reader."""
     result = _open(file)
     try:
         kind = int(result._resultheader["kan"])
@@ -104,12 +106,18 @@ def _results(file: Path):
     return label, point, frequency, shape
 
 
-def _products(file: Path, label: np.ndarray, shape: np.ndarray) -> np.ndarray:
-    """(m, m) products phi^T M phi with the mass matrix of a .full file, whose upper triangle is kept."""
+def mass_matrix(file: Path):
+    """Degrees of freedom (node, axis) and the upper triangle of the mass matrix, of a file, by the compiled reader."""
     try:
         freedom, _, mass = _open(file).load_km(sort=True)
     except Exception as error:
         raise ModalError(f"{file}: its mass matrix cannot be read: {type(error).__name__}: {error}") from None
+    return freedom, mass
+
+
+def _products(file: Path, label: np.ndarray, shape: np.ndarray) -> np.ndarray:
+    """(m, m) products phi^T M phi with the mass matrix of a .full file, whose upper triangle is kept."""
+    freedom, mass = apart(mass_matrix, file, LIBRARY)
     row = {node: k for k, node in enumerate(label)}
     if any(node not in row or axis > 2 for node, axis in freedom):
         raise ModalError(f"{file} has degrees of freedom that the results lack: is it of the same run?")

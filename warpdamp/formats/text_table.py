@@ -63,7 +63,6 @@ class TextTable:
     values : (n, m) array, every one finite
     lines : (n,) numbers of the rows' lines in the file
     header_line : number of the line with the names; 0 where there is none
-    preamble : rows above the header that are neither names nor units, for the reader to use or to refuse
     """
 
     file: Path
@@ -71,7 +70,6 @@ class TextTable:
     values: np.ndarray
     lines: np.ndarray
     header_line: int = 0
-    preamble: tuple[Row, ...] = ()
 
 
 def read_rows(file: Path, separators=SEPARATORS) -> list[Row]:
@@ -97,26 +95,28 @@ def read_table(file: Path) -> TextTable:
     ------
     TableError
         If the file cannot be read as text, has no rows of numbers, rows of different lengths, a cell that is no finite
-        number, or both decimal points and commas.
+        number, both decimal points and commas, or a line above the numbers that is neither names nor units.
     """
     file = Path(file)
     rows, separator, comments = _split(read_text(file), file)
     first = _first_of_numbers(rows)
     if first is None:
         raise TableError(f"{file}: holds no rows of numbers: expected a line of names and rows of numbers below it")
-    head, body = rows[:first], _without_empty_last(rows[first:])
+    head, body = rows[:first], without_empty_last(rows[first:])
     width = len(body[0].cells)
     named = _line_of_names(head, comments, body[0].line, width)
-    columns, preamble = _header(head, named, width)
+    columns, others = _header(head, named, width)
     if named and not columns:
         raise TableError(f"{file}:{named.line}: {len(named.cells)} names for {width} columns{_remedy(separator)}")
+    if others:
+        odd = " ".join(others[0].cells)
+        raise TableError(f"{file}:{others[0].line}: '{odd}' is neither names nor units: begin remarks with #")
     return TextTable(
         file=file,
         columns=columns,
         values=_numbers(file, body, columns, separator),
         lines=np.array([row.line for row in body]),
         header_line=named.line if columns else 0,
-        preamble=preamble,
     )
 
 
@@ -189,8 +189,8 @@ def _first_of_numbers(rows: list[Row]) -> int | None:
     return None
 
 
-def _without_empty_last(rows: list[Row]) -> list[Row]:
-    """Lines that end with a separator have an empty last cell, which is no column."""
+def without_empty_last(rows: list[Row]) -> list[Row]:
+    """Rows without their last cell, where every line ends with a separator: that is no column."""
     if any(row.cells[-1] for row in rows):
         return rows
     return [Row(row.line, row.cells[:-1]) for row in rows]
@@ -255,11 +255,25 @@ def _numbers(file: Path, rows: list[Row], columns, separator) -> np.ndarray:
     return values
 
 
+_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:([,.' ])\d{3})(?:\1\d{3})*(?:[.,]\d*)?(?:[eEdD][-+]?\d+)?")
+_PART = r"[ij]?\s*[\d.,]+(?:[eEdD][-+]?\d+)?\s*[ij]?"
+_COMPLEX = re.compile(rf"\(?\s*[-+]?{_PART}\s*[-+]\s*{_PART}\s*\)?", re.IGNORECASE)
+
+
+def _no_number(cell: str) -> str:
+    """What is wrong with a cell that holds no number, and what to do."""
+    if grouped := _THOUSANDS.fullmatch(cell):
+        return f"has its thousands apart: write {cell.replace(grouped[1], '')}"
+    if _COMPLEX.fullmatch(cell) and set(cell.lower()) & {"i", "j"}:
+        return "is a complex number: write its real and its imaginary part into two columns"
+    return "is no number: correct the cell"
+
+
 def _finite(cell: str, where: str) -> float:
     try:
         value = number(cell)
     except ValueError:
-        raise TableError(f"{where}: {cell!r} is no number: correct the cell") from None
+        raise TableError(f"{where}: {cell!r} {_no_number(cell)}") from None
     if not np.isfinite(value):
         raise TableError(f"{where}: {cell!r} is not finite: leave the row out or correct it")
     return value

@@ -154,7 +154,7 @@ def _systems(sets: list[Dataset]) -> dict[int, System]:
         while not dataset.finished:
             number, system = (_by_points if dataset.number == 18 else _by_matrix)(dataset, systems)
             if number in defined and not _same(system, systems[number]):
-                raise dataset.error(f"coordinate system {number} is defined twice, differently")
+                raise dataset.error(f"coordinate system {number} is defined twice, differently: leave one out")
             defined.add(number)
             systems[number] = system
     return systems
@@ -172,7 +172,7 @@ def _by_points(dataset: Dataset, systems) -> tuple[int, System]:
     if method != 1:
         raise dataset.error(f"coordinate system {number} is defined by method {method}: only 1 (three points) is known")
     if reference not in systems:
-        raise dataset.error(f"coordinate system {number} refers to {reference}, which is not defined above it")
+        raise dataset.error(f"coordinate system {number} refers to {reference}, not defined above it: put that first")
     dataset.text()  # its name
     points = systems[reference].place(np.reshape(dataset.reals(9), (3, 3)))
     try:

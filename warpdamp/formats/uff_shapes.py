@@ -173,7 +173,8 @@ def _data(dataset: Dataset, head: Head) -> tuple[list[int], np.ndarray]:
             f"{' or '.join(map(str, VALUES[head.characteristic]))}: export displacements along x, y and z"
         )
     if head.storage not in (*REAL, *COMPLEX):
-        raise dataset.error(f"{name} is stored as the unknown data type {head.storage}")
+        known = ", ".join(map(str, (*REAL, *COMPLEX)))
+        raise dataset.error(f"{name} is stored as the unknown data type {head.storage}: expected one of {known}")
     rows: dict[int, np.ndarray] = {}
     parts = 2 if head.storage in COMPLEX else 1
     while not dataset.finished:
@@ -182,6 +183,6 @@ def _data(dataset: Dataset, head: Head) -> tuple[list[int], np.ndarray]:
             raise dataset.error(f"{name}: expected the number of a node, got {len(node)} numbers")
         values = np.array(dataset.reals(head.values * parts))
         if node[0] in rows:
-            raise dataset.error(f"{name} has node {node[0]} twice")
+            raise dataset.error(f"{name} has node {node[0]} twice: export each node once")
         rows[node[0]] = values if parts == 1 else values[::2] + 1j * values[1::2]
     return list(rows), np.array(list(rows.values())).reshape(-1, head.values)[:, :3]

@@ -28,7 +28,7 @@ from ..scene.scene import STANDARD_GRAVITY
 from ..variables import describe
 from ..version import __version__
 from .apparent_mass import REACH, ComplexMass, complex_mass
-from .card_csv import NEEDED, CardTable, read_csv, write_csv
+from .card_csv import NEEDED, CardTable, check_range, limits, read_csv, write_csv
 from .damping import several_dampers
 
 if TYPE_CHECKING:
@@ -190,7 +190,29 @@ def read_card(file: str | Path) -> xr.Dataset:
     missing += [name for name in NEEDED if name not in found.attrs]
     if missing:
         raise ModalError(f"{file}: is a damaged card: it has no {missing[0]}: write it again")
+    _check(file, found)
     return found
+
+
+def _check(file: Path, part: xr.Dataset) -> None:
+    """Refuses what no card can hold."""
+    on = ("frequency", "gamma")
+    if any(set(part[name].dims) != set(on) for name in COLUMNS) or part["particle_mass"].ndim:
+        raise ModalError(f"{file}: is a damaged card: its variables are not on frequency and gamma: write it again")
+    for name, (holds, expected) in limits((*on, *COLUMNS)).items():
+        values = part[name].transpose(*(dim for dim in on if dim in part[name].dims))
+        if values.dtype.kind not in "fiu":
+            raise ModalError(f"{file}: is a damaged card: {name} holds no numbers: write it again")
+        bad = np.argwhere(~holds(values.values))
+        if len(bad):
+            where = ", ".join(f"{dim} {float(part[dim][k]):g}" for dim, k in zip(values.dims, bad[0], strict=True))
+            wrong = f"{name} at {where} is {float(values.values[tuple(bad[0])]):g}, expected {expected}"
+            raise ModalError(f"{file}: is a damaged card: {wrong}: write it again")
+    axes = [part[name].values for name in on]
+    if any(np.any(np.diff(axis) <= 0) for axis in axes):
+        raise ModalError(f"{file}: is a damaged card: its frequencies or Gammas do not rise: write it again")
+    attributes = {name: np.asarray(part.attrs[name]).tolist() for name in NEEDED}
+    check_range(file, attributes, part["particle_mass"].item(), *axes)
 
 
 def write_card(part: xr.Dataset, file: str | Path) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -94,8 +94,6 @@ def read_csv(file: Path, names: Sequence[str], version: int) -> CardTable:
 
 def _read(file: Path, names: Sequence[str], version: int) -> CardTable:
     attributes, table = _read_attributes(file, version), read_table(file)
-    if table.preamble:
-        raise ModalError(f"{file}:{table.preamble[0].line}: is neither names nor numbers: delete the line")
     columns = _read_columns(table, names)
     frequency, gamma = (np.unique(columns[name]) for name in AXES)
     order = np.lexsort((columns["gamma"], columns["frequency"]))
@@ -106,7 +104,7 @@ def _read(file: Path, names: Sequence[str], version: int) -> CardTable:
     values = {name: columns[name][order].reshape(len(frequency), len(gamma)) for name in names}
     values |= {name: values[name].astype(np.int64) for name in names if name in INTEGERS}
     mass = attributes.pop(MASS)
-    _check_range(file, attributes, mass, frequency, gamma)
+    check_range(file, attributes, mass, frequency, gamma)
     return CardTable(frequency, gamma, values, float(mass), attributes)
 
 
@@ -148,22 +146,30 @@ def _read_columns(table: TextTable, names: Sequence[str]) -> dict[str, np.ndarra
     return {column.name: values for column, values in zip(table.columns, table.values.T, strict=True)}
 
 
+def limits(names: Sequence[str]) -> dict[str, tuple[Callable, str]]:
+    """What must hold of the numbers of a card by their names, as a function and in words."""
+    found = {name: (np.isfinite, "a finite number") for name in names}
+    found |= {
+        name: (lambda x: np.isfinite(x) & (x >= 0), "at least 0")
+        for name in names
+        if name.endswith(("_error", "_interval"))
+    }
+    found |= {name: (lambda x: np.isfinite(x) & (x > 0), "above 0") for name in AXES}
+    whole = (lambda x: (x >= 0) & (x == np.round(x)), "a whole number")
+    return found | {name: whole for name in names if name in INTEGERS}
+
+
 def _check(file: Path, lines: np.ndarray, columns: dict[str, np.ndarray]) -> None:
     """Refuses numbers that no card can have, each at its line."""
-    limits = {name: (lambda x: x >= 0, "at least 0") for name in columns if name.endswith(("_error", "_interval"))}
-    limits |= {name: (lambda x: x > 0, "above 0") for name in AXES}
-    limits |= {
-        name: (lambda x: (x >= 0) & (x == np.round(x)), "a whole number") for name in columns if name in INTEGERS
-    }
-    for name, (holds, expected) in limits.items():
+    for name, (holds, expected) in limits(list(columns)).items():
         bad = np.flatnonzero(~holds(columns[name]))
         if len(bad):
             raise ModalError(f"{file}:{lines[bad[0]]}: {name}: {columns[name][bad[0]]:g}: expected {expected}")
 
 
-def _check_range(file: Path, attributes: dict, mass, frequency: np.ndarray, gamma: np.ndarray) -> None:
+def check_range(file: Path, attributes: dict, mass, frequency: np.ndarray, gamma: np.ndarray) -> None:
     """Refuses a range that is not that of the rows."""
-    if not isinstance(mass, int | float) or mass <= 0:
+    if not isinstance(mass, int | float) or not 0 < mass < np.inf:
         raise ModalError(f"{file}: {MASS}: {mass!r}: expected a mass above 0")
     if attributes["frequencies"] not in ("modes", "list"):
         raise ModalError(f'{file}: frequencies: {attributes["frequencies"]!r}: expected "modes" or "list"')

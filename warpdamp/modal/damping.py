@@ -102,9 +102,9 @@ def several_dampers(dataset: xr.Dataset | Sequence[xr.Dataset], dampers: Sequenc
     """Damping of a structure with several dampers, each shaken as hard as its own place moves.
 
     The energies of all dampers add up over the one strain energy of the mode: at Gamma of the reference damper,
-    damper j is shaken with Gamma |phi_j / phi_ref| and
+    damper j is shaken with Gamma ``|phi_j / phi_ref|`` and
 
-        zeta(Gamma) = sum_j zeta_j(Gamma |phi_j / phi_ref|) + inherent damping,
+        ``zeta(Gamma) = sum_j zeta_j(Gamma |phi_j / phi_ref|) + inherent damping``,
 
     zeta_j that of damper j alone against its own Gamma.  It holds as far as the structure's response is one real mode.
 

@@ -102,8 +102,15 @@ class ModalModel:
         (...) complex array
             [m/N].
         """
+        found, at_pole = self._receptance(frequency)
+        return np.where(at_pole, complex(np.inf), found)
+
+    def _receptance(self, frequency) -> tuple[np.ndarray, np.ndarray]:
+        """H, and where it is infinite: at the natural frequency of a mode without damping."""
         w = 2 * np.pi * np.asarray(frequency, float)[..., None]
-        return np.sum(self.amplitude**2 / (self._stiffness - w**2), axis=-1)
+        denominator = self._stiffness - w**2
+        pole = denominator == 0
+        return np.sum(self.amplitude**2 / np.where(pole, 1.0, denominator), axis=-1), pole.any(axis=-1)
 
     def dynamic_mass(self, frequency) -> np.ndarray:
         """Dynamic mass, force per acceleration, without the particles [kg]; add their complex mass.
@@ -119,7 +126,8 @@ class ModalModel:
             [kg].
         """
         w = 2 * np.pi * np.asarray(frequency, float)
-        return -self.particle_mass - 1 / (w**2 * self.receptance(frequency))
+        found, at_pole = self._receptance(frequency)
+        return -self.particle_mass - np.where(at_pole, 0.0, 1 / (w**2 * found))
 
     def resonances(self, mass: ComplexMass, gamma: float) -> tuple[np.ndarray, np.ndarray]:
         """Natural frequencies [Hz] and damping ratios with the damper linearised at a Gamma, by complex modes.
@@ -207,7 +215,11 @@ def accelerance(
     if not (np.isfinite(frequency) & (frequency > 0)).all():
         raise ModalError("frequency: expected finite frequencies above 0 Hz")
     mass.require_in_band(frequency)
-    response = 1 / (own.dynamic_mass(frequency) + mass(frequency, gamma[:, None]))
+    moved = own.dynamic_mass(frequency) + mass(frequency, gamma[:, None])
+    if not moved.all():
+        at = frequency[np.argwhere(moved == 0)[0, -1]]
+        raise ModalError(f"frequency: {at:g} Hz is that of a mode without any damping: give inherent_damping")
+    response = 1 / moved
     resonance = np.where(mass.holds_at(resonance[:, :1]), resonance, np.nan)  # other modes of a card's structure
     out = xr.Dataset(
         {

@@ -68,11 +68,14 @@ def _with_further(config: Config, particles: float, further: Sequence[float]) ->
         more = structure.model_copy(update={"other_masses": [*structure.other_masses, *masses]})
         return maker(config.model_copy(update={"structure": more}), particles)
     every = maker(config, particles)
-    if structure.particles_included:
-        return every
-    for k, mass in enumerate(further):
-        every = seen_from_further(config, every, k).with_mass(mass).seen_from(every.damper, every.direction)
-    return every
+    return every if structure.particles_included else with_further_masses(config, every, further)
+
+
+def with_further_masses(config: Config, modes: Modes, masses: Sequence[float]) -> Modes:
+    """Modes with a mass more in each of the further dampers [kg], as the first one sees them."""
+    for k, mass in enumerate(masses):
+        modes = seen_from_further(config, modes, k).with_mass(mass).seen_from(modes.damper, modes.direction)
+    return modes
 
 
 def seen_from_further(config: Config, modes: Modes, k: int) -> Modes:
@@ -107,6 +110,19 @@ def seen_by_all(config: Config, modes: Modes) -> list[Modes]:
         with _placed(config, f"dampers.{k}.{config.dampers[k].place}"):
             found.append(seen_from_further(config, modes, k))
     return found
+
+
+def amplitudes(config: Config, modes: Modes) -> np.ndarray:
+    """Mass-normalised shapes at all dampers, (dampers, modes) [kg^-0.5], positive at the first one.
+
+    Raises
+    ------
+    ConfigError
+        If a place does not exist.
+    """
+    seen = seen_by_all(config, modes)  # with shapes that are positive at the damper itself
+    at_first = np.array([own.shape[:, modes.damper] @ np.asarray(modes.direction) for own in seen])
+    return np.sign(at_first) * [own.amplitude for own in seen]
 
 
 @contextmanager

@@ -6,14 +6,15 @@ One harmonic, one point: the force on the point, amplitude F, and its motion Re(
 
 Z being the force that unit motion takes.  The motion may be a displacement (Z a dynamic stiffness, as of Duffing's
 oscillator) or an acceleration (Z a dynamic mass, as of a granular damper): whichever the damper's force depends on.
-The solutions are the level curve ln(a |Z| / F) = 0 in the plane (f, a).  Its crossings of the lines of a grid start the
-continuation, so a branch is found, detached ones too, unless it fits inside one cell.  A curve that leaves the grid is
-cut there: an antiresonance without damping, where the motion vanishes, cuts a curve in two.
+The solutions are the level curve ``ln(a |Z| / F) = 0`` in the plane (f, a).  Its crossings of the lines of a grid start
+the continuation, so a branch is found, detached ones too, unless it fits inside one cell.  A curve that leaves the grid
+is cut there: an antiresonance without damping, where the motion vanishes, cuts a curve in two.
 
 Stability follows from the amplitude's own slow motion.  With w replaced by w - j d/dt in the structure, the balance
 becomes Z A - j Z_w dA/dt = F, and a state is stable where the eigenvalues of the linearised equation have negative real
-parts.  Folds are where their product passes zero, which is where the force at a fixed frequency, a |Z|, is stationary
-in a.  The damper is taken to follow the amplitude at once: a bed that remembers is beyond a describing function.
+parts.  Folds are where their product passes zero, which is where the force at a fixed frequency, ``a |Z|``, is
+stationary in a.  The damper is taken to follow the amplitude at once: a bed that remembers is beyond a describing
+function.
 """
 
 from __future__ import annotations

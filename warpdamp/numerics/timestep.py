@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene.contact import impact_time, strongest_dashpot
-from ..scene.effects import Effects, Precision, called_for
+from ..scene.effects import Device, Effects, Precision, called_for
 from ..scene.particles import State, sphere_volume
 from ..scene.scene import Scene
+from ..scene.shape import aspects, shortest_contact_share
 
 STEPS_PER_CONTACT = 24
 """Usual steps to the shortest contact: a bed's ledger then closes to half a percent (docs/acceptance.md)."""
@@ -35,15 +36,17 @@ class Numerics:
     precision : of the motion
     steps_per_contact : steps to the shortest contact expected
     forced : effects forced on or off, as sorted pairs (name, whether)
+    device : "cpu" or "cuda"; its round-off is its own, so beds and cases of one are not taken for those of the other
     """
 
     precision: Precision = "float64"
     steps_per_contact: float = STEPS_PER_CONTACT
     forced: tuple[tuple[str, bool], ...] = ()
+    device: Device = "cpu"
 
     def effects(self, scene: Scene, grains) -> Effects:
         """Effects that the scene requires, with those that are forced."""
-        return called_for(scene, grains, precision=self.precision).forced(dict(self.forced))
+        return called_for(scene, grains, precision=self.precision, device=self.device).forced(dict(self.forced))
 
 
 def expected_speed(scene: Scene, radius) -> float:
@@ -86,17 +89,19 @@ def shortest_contact(scene: Scene, grains, speed: float) -> float:
     float
         [s].
     """
-    radius, species = np.asarray(grains.radius), np.asarray(grains.species)
+    radius, species, aspect = np.asarray(grains.radius), np.asarray(grains.species), aspects(grains)
     times = []
+    share = {k: min(map(shortest_contact_share, set(aspect[species == k].tolist()))) for k in set(species.tolist())}
     smallest = {k: float(np.min(radius[species == k])) for k in set(species.tolist())}
     for i, a in smallest.items():
         material, mass = scene.materials[i], float(scene.mass(a, i))
         for j, b in smallest.items():
             other, other_mass = scene.materials[j], float(scene.mass(b, j))
             reduced = a * b / (a + b), mass * other_mass / (mass + other_mass)
-            times.append(impact_time(material, other, scene.pair_surface(i, j), *reduced, speed))
+            time = impact_time(material, other, scene.pair_surface(i, j), *reduced, speed)
+            times.append(min(share[i], share[j]) * time)
         if scene.enclosure:
-            times.append(impact_time(material, scene.wall, scene.wall_surface(i), a, mass, speed))
+            times.append(share[i] * impact_time(material, scene.wall, scene.wall_surface(i), a, mass, speed))
     return min(times)
 
 

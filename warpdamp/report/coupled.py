@@ -17,7 +17,7 @@ CURVES = {"accelerance": "accelerance [m s$^{-2}$ N$^{-1}$]", "transmissibility"
 
 
 def answers(runs: xr.Dataset) -> Figure:
-    """Figure of acceleration over time for each level (first seed), and of what is identified from the records.
+    """Figure of acceleration over time for each level (first seed, first damper), and of what is read off the records.
 
     That is damping and frequency over Gamma with one mode and a harmonic signal (steady windows) or a release, the
     accelerance with any other force, the transmissibility with any other motion of the base.
@@ -31,6 +31,7 @@ def answers(runs: xr.Dataset) -> Figure:
     axes = figure.subplots(1, panels, squeeze=False)[0]
     colours = colormaps["viridis"](np.linspace(0, 0.85, runs.sizes["level"]))
     first = runs["structure_acceleration"].isel(seed=0) / STANDARD_GRAVITY
+    first = first.isel(damper=0) if "damper" in first.dims else first
     for k in np.argsort(runs["level"].values)[::-1]:  # the largest behind
         axes[0].plot(runs["time"], first.isel(level=k), lw=0.5, color=colours[k], label=f"{float(runs['level'][k]):g}")
     axes[0].set(xlabel="time [s]", ylabel="acceleration / g [-]")

@@ -12,7 +12,7 @@ from ..analysis.accuracy import chance, cheapest, step_errors, systematic
 from ..analysis.optimum import MOTIONS, Curves
 from ..analysis.results import worst_status
 from ..numerics.regression import Maximum
-from ..status import Status
+from ..status import MORE_CYCLES, Status
 from ..variables import NOT_RUN
 from .figures import panels, shown
 
@@ -197,12 +197,16 @@ def _value(value, error) -> str:
     return f"{float(value):.5g}" + (f" ± {float(error):.1g}" if np.isfinite(error) else "")
 
 
-def verdicts(dataset: xr.Dataset) -> list[str]:
-    """Sentences on how the cases ended, worst first, and how well the ledger closed."""
+def verdicts(dataset: xr.Dataset, *, quick: bool = False) -> list[str]:
+    """Sentences on how the cases ended, worst first, and how well the ledger closed.
+
+    ``quick``: of a first look, whose cycles are not those of the configuration.
+    """
+    remedy = "run without --quick" if quick else MORE_CYCLES
     status = dataset["status"].values
     ran = np.sum(status != NOT_RUN)
     ends = [s for s in reversed(Status) if s != NOT_RUN and np.any(status == s)]
-    lines = [f"{np.sum(status == s)} of {ran} cases: {s.meaning}" for s in ends]
+    lines = [f"{np.sum(status == s)} of {ran} cases: {s.meaning.replace(MORE_CYCLES, remedy)}" for s in ends]
     if "within_tolerance" in dataset:
         within = dataset["within_tolerance"].values
         lines.append(
@@ -218,17 +222,54 @@ def verdicts(dataset: xr.Dataset) -> list[str]:
         )
     if "ledger_residual" not in dataset:
         return lines
-    stopped = dataset["compaction_settled"] == 0
-    if stopped.any():
+    if "compaction_settled" in dataset and (stopped := dataset["compaction_settled"] == 0).any():
         of_drive = [dim for dim in ("frequency", "gamma") if dim in stopped.dims]
+        count = int(stopped.any(of_drive).sum())
+        beds, was = ("bed", "was") if count == 1 else ("beds", "were")
         lines.append(
-            f"{int(stopped.any(of_drive).sum())} beds were still compacting, or not in the state asked for, when "
-            "their preparation ended"
+            f"{count} {beds} {was} still compacting, or not in the state asked for, when the preparation ended"
         )
     residual = dataset["ledger_residual"].values
     if np.isfinite(residual).any():
         lines.append(f"energy ledger: residual at most {100 * np.nanmax(residual):.2g} % of the dissipation")
     return lines
+
+
+def coupled_verdicts(runs: xr.Dataset) -> list[str]:
+    """Sentences on coupled runs: what went in and came out at each level, who took the energy, how well it closes."""
+    lines = [runs.attrs["left_out"]] if "left_out" in runs.attrs else []
+    at_level = [runs.sel(level=level) for level in runs["level"].values]
+    lines += [f"level {float(one['level']):g}: {said}" for one in at_level if (said := _in_and_out(one))]
+    particles = runs["particle_loss"]
+    several = "damper" in particles.dims
+    total = particles.sum("damper") if several else particles
+    lost = total + runs["structure_loss"]
+    shares = [
+        100 * float((part / lost).mean()) for part in (particles.transpose("damper", ...) if several else [total])
+    ]
+    by = " + ".join(f"{share:.3g}" for share in shares)
+    whose = f" (dampers 1 to {len(shares)})" if several else ""
+    lines.append(
+        f"particles took {by} %{whose} of the energy lost; energy of structure and particles closes to "
+        f"{100 * float(runs['closure'].max()):.2g} % of it"
+    )
+    return lines
+
+
+def _in_and_out(runs: xr.Dataset) -> str:
+    """Root mean squares of noise and of its answer, and the peak of the curve, of one level."""
+    said = []
+    if "response_grms" in runs:
+        given, unit = (runs["base_grms"], "g") if "base_grms" in runs else (runs["force_rms"], "N")
+        out = runs["response_grms"].mean("seed")
+        each = " and ".join(f"{float(value):.3g}" for value in np.atleast_1d(out.values))
+        said.append(f"{float(given):.3g} {unit} rms in, {each} g rms out")
+    for name, unit in (("transmissibility", ""), ("accelerance", " m s^-2 N^-1")):
+        if f"{name}_real" in runs:
+            size = np.hypot(runs[f"{name}_real"], runs[f"{name}_imaginary"])
+            peak = float(size.idxmax("frequency"))
+            said.append(f"{name} at most {float(size.max()):.3g}{unit}, at {peak:.4g} Hz")
+    return "; ".join(said)
 
 
 def card_verdicts(part: xr.Dataset) -> list[str]:

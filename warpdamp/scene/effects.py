@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from .shape import aspects
+
 if TYPE_CHECKING:
     from .scene import Scene
 
 Precision = Literal["float64", "float32"]
+Device = Literal["cpu", "cuda"]
 
 WALLS = ("side", "floor", "lid")
 
@@ -57,6 +60,10 @@ def _friction(scene: Scene, _grains) -> bool:
     return any(surface.friction > 0 for surface in scene.surfaces())
 
 
+def _rotation(scene: Scene, grains) -> bool:
+    return _friction(scene, grains) or _spheroids(scene, grains)
+
+
 def _dashpots(scene: Scene, _grains) -> bool:
     return any(surface.restitution < 1 for surface in scene.surfaces())
 
@@ -78,6 +85,10 @@ def _wall(name: str) -> Effect:
 
 def _sizes(_scene: Scene, grains) -> bool:
     return len(set(np.asarray(grains.radius).tolist())) > 1
+
+
+def _spheroids(_scene: Scene, grains) -> bool:
+    return bool(np.any(aspects(grains) != 1))
 
 
 def _materials(scene: Scene, _grains) -> bool:
@@ -103,11 +114,11 @@ def _contact(name: str) -> tuple[str, str]:
 EFFECTS = {
     "friction": Effect(_friction, _contact("friction"), forcible=True),
     "rotation": Effect(
-        _friction,
+        _rotation,
         _contact("friction"),
         forcible=True,
         idle_without=("friction",),
-        because="friction turns particles: ",
+        because="friction, and any force on spheroids, turns particles: ",
     ),
     "dashpots": Effect(_dashpots, _contact("restitution"), forcible=True),
     "rolling": Effect(
@@ -122,18 +133,19 @@ EFFECTS = {
     **{name: _wall(name) for name in WALLS},
     "sizes": Effect(_sizes, ("damper.particles",), usual=False, counted=("radius", "radius", "radii")),
     "materials": Effect(_materials, ("damper.particles",), usual=False, counted=("species", "material", "materials")),
+    "spheroids": Effect(_spheroids, ("damper.particles",), needs=("rotation",), usual=False),
     "channels": Effect(_always, ("effects.ledger",), forcible=True, in_memory=False),
     "indicators": Effect(_indicators, ("effects.indicators", "excitation.gamma"), forcible=True, in_memory=False),
     "guards": Effect(_always, in_memory=False),
     "structure": Effect(_structure, usual=False),
 }
-"""Effects by name, in the order of the fields of ``Effects``; ``precision`` is not among them."""
+"""Effects by name, in the order of the fields of ``Effects``; ``precision`` and ``device`` are not among them."""
 
 NOT_MODELLED = (
     "the structure's answer to the damper (the enclosure's motion is prescribed)",
     "air, cohesion, liquid bridges, electrostatic charge",
     "wear, breakage, plastic flow and heating of the particles",
-    "particles other than spheres; friction against spinning about the normal",
+    "particles other than spheres and spheroids; friction against spinning about the normal",
     "flexibility of the enclosure's walls",
 )
 """What no effect of a study covers."""
@@ -165,6 +177,8 @@ class Effects(_Switches):
         Whether radii differ within a case.
     materials : bool
         Whether the particles of a case are of more than one material.
+    spheroids : bool
+        Whether particles are spheroids; they turn whatever their contacts are like, so ``rotation`` is on with them.
     channels : bool
         Whether the ledger keeps losses by channel, or only their sum.
     indicators : bool
@@ -175,9 +189,16 @@ class Effects(_Switches):
         Whether the enclosure is fixed to a structure that answers, instead of moving as prescribed.
     precision : "float64" or "float32"
         Of the motion; the ledger is always float64.
+    device : "cpu" or "cuda"
+        What the kernels run on.
     """
 
     precision: Precision = "float64"
+    device: Device = "cpu"
+
+    def __post_init__(self):
+        if self.spheroids:
+            object.__setattr__(self, "rotation", True)
 
     @property
     def real(self):
@@ -194,7 +215,7 @@ class Effects(_Switches):
     @property
     def history(self) -> bool:
         """Whether contacts have a history."""
-        return self.friction or self.rolling
+        return self.friction or self.rolling or self.spheroids
 
     @property
     def alike(self) -> bool:
@@ -203,9 +224,9 @@ class Effects(_Switches):
 
     @property
     def in_memory(self) -> Effects:
-        """The effects that the structs on the device depend on: all others on, any wall for all three."""
+        """The effects that the structs depend on: all others on, any wall for all three, whatever the device."""
         others = [name for name, effect in EFFECTS.items() if not effect.in_memory]
-        return replace(self, **{name: self.enclosure if name in WALLS else True for name in others})
+        return replace(self, device="cpu", **{name: self.enclosure if name in WALLS else True for name in others})
 
     def forced(self, choices: dict[str, bool]) -> Effects:
         """Effects with some of them forced on or off.
@@ -224,17 +245,19 @@ class Effects(_Switches):
         Raises
         ------
         ValueError
-            If an effect cannot be forced; says which can.
+            If an effect cannot be forced, and says which can; if spheroids are to be kept from turning.
         """
         for name in choices:
             if name not in FORCIBLE:
                 raise ValueError(f"'{name}' cannot be forced; choose from {', '.join(FORCIBLE)}")
+        if self.spheroids and not choices.get("rotation", True):
+            raise ValueError("spheroids turn whatever touches them: 'rotation' cannot be forced off, but for spheres")
         effects = replace(self, **choices)
         lacking = [name for name, effect in EFFECTS.items() if not all(getattr(effects, need) for need in effect.needs)]
         return replace(effects, **dict.fromkeys(lacking, False))
 
 
-def called_for(scene: Scene, grains, *, precision: Precision = "float64") -> Effects:
+def called_for(scene: Scene, grains, *, precision: Precision = "float64", device: Device = "cpu") -> Effects:
     """Effects that a scene requires, and no others.
 
     Parameters
@@ -242,12 +265,14 @@ def called_for(scene: Scene, grains, *, precision: Precision = "float64") -> Eff
     scene : Scene
     grains : State, Grains, or anything with ``radius`` and ``species``
     precision : "float64" or "float32"
+    device : "cpu" or "cuda"
 
     Returns
     -------
     Effects
     """
-    return Effects(**{name: effect.called_for(scene, grains) for name, effect in EFFECTS.items()}, precision=precision)
+    on = {name: effect.called_for(scene, grains) for name, effect in EFFECTS.items()}
+    return Effects(**on, precision=precision, device=device)
 
 
 def covering(choices: list[Effects]) -> Effects:
@@ -264,8 +289,8 @@ def covering(choices: list[Effects]) -> Effects:
     Raises
     ------
     ValueError
-        If the precisions differ.
+        If the precisions or the devices differ.
     """
-    if len({effects.precision for effects in choices}) > 1:
-        raise ValueError("the cases of a batch must all have one precision")
+    if len({(effects.precision, effects.device) for effects in choices}) > 1:
+        raise ValueError("the cases of a batch must all have one precision and one device")
     return replace(choices[0], **{name: any(getattr(effects, name) for effects in choices) for name in EFFECTS})

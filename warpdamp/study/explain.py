@@ -11,12 +11,15 @@ import numpy as np
 from ..config.build import grains
 from ..config.preparation import carried_path, preparation_word, state_asked
 from ..config.study import Config
+from ..coupled.run import planned
+from ..errors import ConfigError
 from ..execution.adaptive import needed_cases
 from ..execution.batching import BATCH_COST, MOST_CASES
 from ..execution.store import Finished
 from ..numerics.timestep import expected_speed, shortest_contact
 from ..scene.effects import EFFECTS, NOT_MODELLED, Effects, called_for
 from ..scene.scene import STANDARD_GRAVITY
+from ..scene.shape import aspects
 from ..sweep.cases import Cases
 from ..sweep.plan import Fate, make_plan
 from ..sweep.resolve import self_contained, with_tolerance
@@ -58,12 +61,12 @@ class Explanation:
 def effects_of(config: Config, spec: Spec) -> list[Explanation]:
     """Explanations of all effects of a case."""
     effects = spec.effects
-    called = called_for(spec.scene, spec.bed.grains, precision=effects.precision)
+    called = called_for(spec.scene, spec.bed.grains, precision=effects.precision, device=effects.device)
     forced = dict(spec.bed.numerics.forced)
     explained = []
     for name in (name for name, effect in EFFECTS.items() if effect.keys):
         on = getattr(effects, name)
-        why = _why(config, name, on)
+        why = _aspects(config, spec) if name == "spheroids" else _why(config, name, on)
         if name in forced and on != getattr(called, name):
             why = f"forced {'on' if on else 'off'}, though the scene {'calls' if not on else 'does not call'} for it"
         full = recall("frozen", effects)
@@ -71,6 +74,13 @@ def effects_of(config: Config, spec: Spec) -> list[Explanation]:
         cost = full - less if on and full is not None and less is not None else None
         explained.append(Explanation(name, on, why, cost))
     return explained
+
+
+def _aspects(config: Config, spec: Spec) -> str:
+    """Aspects of a case's particles, and the line that has them, or their list."""
+    key = "damper.particles" if isinstance(config.damper.particles, list) else "damper.particles.shape.aspect"
+    different = sorted(set(aspects(spec.bed.grains).tolist()))
+    return _line(config, key, ", ".join(f"{aspect:g}" for aspect in different))
 
 
 def _why(config: Config, name: str, on: bool) -> str:
@@ -112,7 +122,9 @@ def explain(config: Config, *, workers: int | None = None) -> str:
         own, seen = studies(config)
         heads = [_damper(k, modes) for k, modes in enumerate(seen, 1)]
         plans = [explain(study, workers=workers) for study in own]
-        return "\n\n".join([config.title, *(text for pair in zip(heads, plans, strict=True) for text in pair)])
+        blocks = [config.title, *(text for pair in zip(heads, plans, strict=True) for text in pair)]
+        return "\n\n".join([*blocks, *_coupled(config)])
+    written = config
     config = with_tolerance(self_contained(config))
     plan = make_plan(Cases(config))
     numbers = plan.to_run()
@@ -128,7 +140,26 @@ def explain(config: Config, *, workers: int | None = None) -> str:
     blocks.append("\n".join(["Cases", *_cases(plan, numbers)]))
     blocks.append("\n".join(["Time and memory", *_price(plan, numbers, workers or os.cpu_count())]))
     blocks.append("\n".join(["Not modelled", *(f"  {item}" for item in NOT_MODELLED)]))
+    blocks += _coupled(written)
     return "\n\n".join(blocks)
+
+
+def _coupled(config: Config) -> list[str]:
+    """What `warpdamp coupled` will run, or why it refuses; nothing where the configuration has no such section."""
+    if config.coupled is None:
+        return []
+    lines = ["Coupled runs (warpdamp coupled)"]
+    try:
+        runs, _ = planned(config)
+    except ConfigError as error:
+        return ["\n".join([*lines, f"  are refused: {error}"])]
+    run, counts = runs[0, 0], f"levels {len(config.coupled.levels)}, seeds {len(config.seeds)}"
+    particles = sum(len(bed.grains) for bed in run.beds)
+    dampers = f", {len(run.beds)} dampers each" if len(run.beds) > 1 else ""
+    lines.append(f"  runs: {len(runs)} ({counts}) of {config.coupled.duration:g} s by {config.coupled.source}{dampers}")
+    lines.append(f"  {1e6 * run.dt:.3g} us a step, {run.steps} steps, recorded every {run.host.record}")
+    lines.append(f"  {len(runs) * run.steps * particles:.3g} particle-steps; beds are extra")
+    return ["\n".join(lines)]
 
 
 def _damper(number: int, modes: Modes) -> str:
@@ -146,7 +177,7 @@ def _effects_table(config, spec):
 
 
 def _precision(effects: Effects) -> str:
-    return f"  motion in {effects.precision}, energies in float64"
+    return f"  motion in {effects.precision}, energies in float64, on the device {effects.device}"
 
 
 def _steps(plan: Plan, numbers):
@@ -166,7 +197,7 @@ def _steps(plan: Plan, numbers):
 def _cases(plan: Plan, numbers):
     cases = plan.cases
     amplitudes = "" if np.isnan(cases.gammas[0]) else f", Gamma {min(cases.gammas):g} to {max(cases.gammas):g}"
-    yield f"  {len(numbers)} cases{amplitudes}; {len(plan.beds)} {_beds(cases)}"
+    yield f"  {len(numbers)} cases{amplitudes}; {_beds(cases, len(plan.beds))}"
     if cases.config.accuracy is not None:
         first = len(needed_cases(plan, Finished()))
         yield f"  of these {first} at first, and more packings of a point until it is within the tolerance"
@@ -185,12 +216,13 @@ def _cases(plan: Plan, numbers):
         yield f"  {modes.remark}"
 
 
-def _beds(cases: Cases) -> str:
+def _beds(cases: Cases, count: int) -> str:
     """Words for the beds: how they are prepared, to what, and the way that they are carried, unless that is swept."""
     preparation, swept = cases.config.preparation, cases.names().values()
+    noun = "bed" if count == 1 else "beds"
     if "preparation" in swept:
-        return "beds"
-    path, beds = carried_path(preparation), f"{preparation_word(preparation)} beds"
+        return f"{count} {noun}"
+    path, beds = carried_path(preparation), f"{count} {preparation_word(preparation)} {noun}"
     for name, value in state_asked(preparation).items():
         text = "" if f"preparation_{name}" in swept else f"{1e3 * value:g} mm" if name == "clearance" else f"{value:g}"
         return f"{beds}: {text}" if text else beds

@@ -289,13 +289,13 @@ def _refuse_what_does_not_fit(plan: Plan) -> None:
     ------
     ConfigError
     """
-    from ..damper.placement import separate
+    from ..damper.placement import place
 
     if math.prod(plan.cases.shape[2:-1]) > 1:
         return
     for number in plan.beds.values():
         spec, _ = plan.cases.spec(number)
         try:
-            separate(spec.bed.grains.radius, spec.scene.enclosure, spec.bed.seed)
+            place(spec.bed.grains, spec.scene.enclosure, spec.bed.seed)
         except PackingError as error:
             raise plan.cases.config.error(error.key, str(error)) from None

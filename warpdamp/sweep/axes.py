@@ -35,6 +35,7 @@ _LONG_NAMES = {
     "gamma": "acceleration amplitude over g",
     "seeds": "seed of the packing",
     "preparation": "how the bed was prepared",
+    "aspect": "aspect of spheroids, along over across their axis",
 }
 _CF_UNITS = {"": "1", "kg/m^3": "kg m-3", "m/s^2": "m s-2"}
 
@@ -141,8 +142,8 @@ def _below(node, part):
 
 
 def tree(config: Config) -> dict:
-    """Tree of plain SI values of a configuration, without its sweep and coupled runs."""
-    return config.model_dump(mode="json", exclude={"sweep", "coupled"})
+    """Tree of plain SI values of a configuration, without its sweep, coupled runs and design."""
+    return config.model_dump(mode="json", exclude={"sweep", "coupled", "design"})
 
 
 def put(node, path: Path, value) -> None:

@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import ValidationError
 
-from ..config.build import as_list, bed, drive, grains, particle_mass, scene
+from ..config.build import as_list, bed, drive, grains, numerics_of, particle_mass, scene
 from ..config.study import Config
 from ..damper.case import PAPER_SETTLING, Criteria, Request, Spec, paper_criteria
 from ..errors import ConfigError
 from ..numerics.timestep import (
     FEWEST_STEPS_PER_CONTACT,
     FEWEST_STEPS_PER_CYCLE,
-    Numerics,
     contact_step,
     expected_speed,
     shortest_contact,
@@ -36,6 +35,7 @@ from .reader import read_axes
 
 if TYPE_CHECKING:
     from ..modes import Modes
+    from ..scene.scene import Scene
 
 CHOSEN = {
     ("numerics", "steps_per_contact"),
@@ -182,7 +182,7 @@ class Cases:
         particles = particle_mass(single)
         structure = single.structure.model_dump(mode="json")
         materials = {
-            name: single.materials[name].model_dump() for path, name in leaves(structure) if path[-1] == "material"
+            name: single.materials[name].elastic() for path, name in leaves(structure) if path[-1] == "material"
         }
         key = json.dumps([particles, structure, materials])
         if key not in self._modes:
@@ -212,8 +212,8 @@ class Cases:
         i, j, k = position
         config = point.config
         frequency, gamma, seed = self.drive_at(point, position)
-        request = self._bed(config, point.index, seed)
-        driven = request.scene.driven(drive(config, frequency, gamma))
+        request, own = self._bed(config, point.index, seed)
+        driven = own.driven(drive(config, frequency, gamma))
         index = (i, j, *point.index, k)
         return Spec(index, driven, steps_of(config, driven, request.grains), request), criteria_of(config, frequency)
 
@@ -230,20 +230,20 @@ class Cases:
         i, j, k = position
         return point.frequencies[i], as_list(point.config.excitation.gamma)[j], point.config.seeds[k]
 
-    def _bed(self, config: Config, index, seed: int) -> Request:
+    def _bed(self, config: Config, index, seed: int) -> tuple[Request, Scene]:
+        """Bed of a point, and the scene that it is shaken in: another one than it was made in, if so asked."""
         if (index, seed) not in self._beds:
             if len(self._beds) > KEPT_POINTS:
                 self._beds.clear()
-            self._beds[index, seed] = Request(
-                scene=scene(config),
+            request = Request(
+                scene=scene(config.while_made()),
                 grains=grains(config),
                 seed=seed,
                 settling_time=PAPER_SETTLING if config.steady_state.recipe == "paper" else None,
-                numerics=Numerics(
-                    config.numerics.precision, config.numerics.steps_per_contact, config.effects.forced()
-                ),
+                numerics=numerics_of(config),
                 **bed(config),
             )
+            self._beds[index, seed] = request, scene(config)
         return self._beds[index, seed]
 
 

@@ -12,7 +12,7 @@ from ..config.quantities import to_si
 from ..config.study import Config
 from ..config.sweep import Between, Range, SampleConfig, Span, spread
 from ..errors import ConfigError
-from ..formats.text_table import Row, TableError, column, is_number, number, read_rows
+from ..formats.text_table import Row, TableError, column, is_number, number, read_rows, without_empty_last
 from .axes import (
     CASE,
     GAMMA,
@@ -54,7 +54,7 @@ class Reader:
     def __init__(self, config: Config):
         self.config = config
         self.base = tree(config)
-        self.scalars = dict(leaves(self.base))
+        self.scalars = {path: value for path, value in leaves(self.base) if path[:2] != ("preparation", "made_with")}
         self.taken: dict[Path, tuple] = {}
 
     def condition(self, key: str, condition, place) -> tuple[Path, object]:
@@ -212,7 +212,9 @@ class Reader:
             raise self.config.error(place, str(error)) from None
         if len(rows) < 2:
             raise self.config.error(place, f"{file} needs a line of paths and at least one line of values")
-        head, *lines = rows
+        (head,), lines = without_empty_last(rows[:1]), rows[1:]
+        if not any(any(line.cells[len(head.cells) :]) for line in lines):  # a separator at the end of lines
+            lines = [Row(line.line, line.cells[: len(head.cells)]) for line in lines]
         if mixed := _two_decimal_marks(lines):
             raise self.config.error(place, f"{file}:{mixed}: has decimal points and decimal commas: write one of them")
         heads = [column(cell) for cell in head.cells]

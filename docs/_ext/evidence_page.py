@@ -1,0 +1,92 @@
+"""The list of the documents that scripts have written, with date, command and cost of each."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+DOCS = Path(__file__).parents[1]
+OF_THE_REFERENCE = ("frf-files", "mode-files", "universal-files")
+"""Documents of this folder that say what is read from files of others: they belong to the reference."""
+
+INTRODUCTION = """# Evidence
+
+What is claimed is measured, by scripts that are part of the repository. Each of these documents is written by the
+command beside it and not touched by hand. The date, the processor time and the version of the physics are noted by the
+script when it writes; simulations that a document reads again (`simulate` makes them anew) are noted apart. Where
+nothing is noted the document is older than the notes. `coverage.py`, `price.py` and `presets.py` beside the scripts
+measure for [accuracy](/accuracy.md) whether claimed intervals hold, what a tolerance saves, and by what presets err.
+
+"""
+SHOWS = {
+    "acceptance": "the main job, figure by figure",
+    "accuracy": "error against core-seconds for every numerical choice, error budget, cheapest settings",
+    "appendix-a": "real against complex modes, the paper's Fig. A.1",
+    "bed-states": "what compaction reaches, cavity by cavity, packing fractions, what is left of `memory_error`",
+    "benchmark": "speed beside LAMMPS, LIGGGHTS and YADE, scaling, memory, starting times",
+    "card": "a damper as a part; with it the beam by FRF, harmonic solution and substructuring",
+    "coupling": "the prediction against structures that answer the particles, and the price of each",
+    "design": "the emulator on cases that it has not seen, recovery of friction and restitution, design problems",
+    "effects": "what each effect costs, on and off, and against kernels that never had it",
+    "first-time": "the tutorial's commands and minutes in an empty environment",
+    "frequency_map": "the paper's damper over 27 frequencies and 24 amplitudes: optima, fits, regimes",
+    "frf": "natural frequency and damping by energy and by fitted FRFs; constant force",
+    "gamma_c": "the optimum of collision over frequency beside the paper's line and a block; the motion",
+    "modal-fits": "line fit, Dobson, circle, least squares on known modes: biases and spreads",
+    "modes": "beams, plates and added masses against closed forms",
+    "performance": "what was tried for speed, kept or not, and the plain-C limit",
+    "stability": "hard cases: each runs, is refused, or is flagged; what the guards cost; damaged files",
+    "sweeps": "10,000 cases: overhead, memory, kills, partitions, a plan for a million",
+    "two_optima": "eight packings over Gamma: optima, spread, what the clearance explains of it",
+    "verification": "impacts, friction, rolling, energy, dampers against closed forms and independent integrations",
+}
+
+
+def documents() -> list[Path]:
+    """Documents of the evidence: every page of docs/ itself but the front page and those of the reference."""
+    return [path for path in sorted(DOCS.glob("*.md")) if path.stem not in ("index", *OF_THE_REFERENCE)]
+
+
+def page() -> str:
+    """The page as Markdown."""
+    lines = [INTRODUCTION, "| document | what it shows | command | written | simulated |", "|---|---|---|---|---|"]
+    for path in documents():
+        notes = record(path.stem)
+        command = notes.get("written", {}).get("command") or command_of(path.read_text(encoding="utf-8"))
+        cells = (
+            f"[{path.stem}](/{path.name})",
+            SHOWS.get(path.stem, title_of(path)),
+            f"`{command}`" if command else "by hand",
+            said(notes.get("written")),
+            said(notes.get("simulated")),
+        )
+        lines.append(f"| {' | '.join(cells)} |")
+    tree = ["", "```{toctree}", ":hidden:", "", *(f"/{path.stem}" for path in documents()), "```", ""]
+    return "\n".join(lines + tree)
+
+
+def record(name: str) -> dict:
+    """What the script noted of a document."""
+    path = DOCS / "evidence" / f"{name}.json"
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
+def command_of(text: str) -> str:
+    """The command that a document names as its author's."""
+    found = re.search(r"Written\s+by\s+`(.*?)`", text)
+    return found[1] if found else ""
+
+
+def title_of(path: Path) -> str:
+    """The document's first heading."""
+    return path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+
+
+def said(entry: dict | None) -> str:
+    """A note in words: date, cost, version of the physics."""
+    if not entry:
+        return "–"
+    spent = entry["processor_time"]
+    cost = f"{spent:.0f} s" if spent < 600 else f"{spent / 60:.0f} min" if spent < 36000 else f"{spent / 3600:.0f} h"
+    return f"{entry['date']}, {cost} of processor time, physics {entry['physics_version']}"

@@ -1,0 +1,105 @@
+"""Random placement of spheroids in a closed cavity: points and axes that are pushed apart and turned.
+
+The energy is half the sum of the squares of the overlaps d: a pair is pushed by d along its common normal, with the
+torque of that about each centre.  Masses are 1, moments of inertia those about the axes across, (a^2 + b^2) / 5.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..scene.scene import Cylinder
+from ..scene.shape import inscribed_radius, semi_axes
+from ..scene.touch import Spheroids, common_normal, farthest_from_axis
+from .fire import minimised
+
+MOST = 2000
+"""Steps after which what still overlaps is taken not to fit: fills of 0.6 take some hundreds."""
+
+FEW = 600
+"""The same where it only matters about how many fit."""
+
+
+def random_start(radius, aspect, enclosure: Cylinder, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Random points [m] and axes of spheroids, which overlap, two of (n, 3)."""
+    rng, n = np.random.default_rng(seed), len(radius)
+    least = inscribed_radius(radius, aspect)
+    rho = (enclosure.diameter / 2 - least) * np.sqrt(rng.random(n))
+    angle = 2 * np.pi * rng.random(n)
+    z = least + (enclosure.height - 2 * least) * rng.random(n)
+    axis = rng.normal(size=(n, 3))
+    axis /= np.linalg.norm(axis, axis=1)[:, None]
+    return np.stack([rho * np.cos(angle), rho * np.sin(angle), z], axis=1), axis
+
+
+def turned_apart(
+    position, axis, radius, aspect, enclosure: Cylinder, *, most: int
+) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Minimise the overlaps in units of the mean radius, in ``most`` steps at the most.
+
+    Returns
+    -------
+    position, axis, apart
+        [m], unit vectors, and whether the spheroids are apart, were they not ``GROWN``.
+    """
+    unit = float(np.mean(radius))
+    along, across = semi_axes(radius / unit, aspect)
+    half, height = enclosure.diameter / 2 / unit, enclosure.height / unit
+    arm = np.sqrt((along**2 + across**2) / 5)[:, None]  # of inertia: ways along it are lengths, as those of points are
+
+    def forces(place):
+        x, u = place
+        force, torque, worst = _overlap_forces(x, Spheroids(u, along, across), half, height)
+        return np.concatenate([force, torque / arm], axis=1), worst
+
+    def moved(place, way):
+        x, u = place
+        return x + way[:, :3], _turned(u, way[:, 3:] / arm)
+
+    (x, u), apart = minimised((position / unit, axis), forces, moved, most=most)
+    return x * unit, u, apart
+
+
+def _turned(u, angle):
+    """Axes turned by vectors of angles, in the rotation of Cayley, which keeps their length."""
+    g = angle / 2
+    once = np.cross(g, u)
+    turned = u + 2 / (1 + np.sum(g**2, axis=1, keepdims=True)) * (once + np.cross(g, once))
+    return turned / np.linalg.norm(turned, axis=1)[:, None]
+
+
+def _overlap_forces(x, spheroids: Spheroids, half: float, height: float):
+    """Repulsion equal to the overlaps, its torques, and the largest overlap over the smaller semi-axes that meet."""
+    force, torque = np.zeros_like(x), np.zeros_like(x)
+    worst = _pairs(x, spheroids, force, torque)
+    distance, outward = farthest_from_axis(x, spheroids)
+    up = np.tile((0.0, 0.0, 1.0), (len(x), 1))
+    rise = spheroids.height(up)
+    walls = ((distance - half, outward), (rise - x[:, 2], -up), (x[:, 2] + rise - height, up))
+    for overlap, towards in walls:
+        push = -np.maximum(overlap, 0)[:, None] * towards
+        force += push
+        torque += np.cross(spheroids.point(towards), push)
+        worst = max(worst, float(np.max(overlap / spheroids.inscribed)))
+    return force, torque, worst
+
+
+def _pairs(x, spheroids: Spheroids, force, torque) -> float:
+    """Add what pairs do to each other; the largest overlap over the sum of the smaller semi-axes."""
+    pairs = cKDTree(x).query_pairs(2 * spheroids.bound.max(), output_type="ndarray")
+    if not len(pairs):
+        return 0.0
+    near = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1) < spheroids.bound[pairs].sum(axis=1)
+    i, j = pairs[near].T
+    normal, gap = common_normal(x[i] - x[j], spheroids[i], spheroids[j], to_the_end=False)
+    meet = gap < 0
+    if not meet.any():
+        return 0.0
+    i, j, normal, overlap = i[meet], j[meet], normal[meet], -gap[meet]
+    push = overlap[:, None] * normal
+    on_i, on_j = np.cross(-spheroids[i].point(normal), push), np.cross(spheroids[j].point(normal), -push)
+    for axis in range(3):
+        force[:, axis] += np.bincount(i, push[:, axis], len(x)) - np.bincount(j, push[:, axis], len(x))
+        torque[:, axis] += np.bincount(i, on_i[:, axis], len(x)) + np.bincount(j, on_j[:, axis], len(x))
+    return float(np.max(overlap / (spheroids.inscribed[i] + spheroids.inscribed[j])))

@@ -1,0 +1,94 @@
+"""Film as a page: a player and a view that turns, with everything in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from .film import QUANTITIES, Film, spheroids
+from .offline import as_json, packed, page, write_page
+
+MOST_BYTES = 6_000_000
+SCRIPTS = ("chart.js", "player.js")
+COLOURMAP, COLOURS = "viridis", 64
+
+
+def write_film_page(film: Film, path: Path) -> None:
+    """Write a film as one HTML file that opens offline.
+
+    Raises
+    ------
+    UsageError
+        If it would be larger than ``MOST_BYTES``.
+    MissingLibrary
+        If Jinja2 is not installed.
+    """
+    data = film_data(film)
+    write_page(page("film.html", SCRIPTS, "film", film=data, data=as_json(data)), path, MOST_BYTES)
+
+
+def film_data(film: Film) -> dict:
+    """What the player shows, as it stands in a page; see ``page/player.js``."""
+    trajectory, drive, cavity = film.trajectory, film.trajectory.scene.drive, film.trajectory.scene.enclosure
+    position = np.array([frame.state.position for frame in film.frames])
+    low, high = position.min(axis=(0, 1)), position.max(axis=(0, 1))
+    high = np.where(high > low, high, low + 1e-9)
+    radius = film.frames[0].state.radius
+    shape = spheroids(film.frames[0])
+    arrays = {"position": ("u2", np.round(65535 * (position - low) / (high - low)))}
+    for colour in QUANTITIES:
+        arrays[colour.value] = ("u1", np.round(255 * np.clip(film.values(colour) / film.most(colour), 0, 1)))
+    arrays |= _contacts(film)
+    if shape:
+        arrays["axis"] = ("i1", np.round(127 * np.array([spheroids(frame)[0] for frame in film.frames])))
+    counts = [len(frame.touching.pairs) for frame in film.frames]
+    walls = {name: getattr(cavity, name) for name in ("side", "floor", "lid")}
+    return {
+        "title": film.title,
+        "label": film.label,
+        "remark": film.remark,
+        "source": film.source,
+        "alt": f"{film.particles} particles in their shaken cavity, {film.label}",
+        "particles": film.particles,
+        "frames": len(film.frames),
+        "shown": film.shown,
+        "cavity": {"radius": cavity.diameter / 2, "height": cavity.height, **walls},
+        "drive": {"frequency": drive.frequency, "displacement": 1e3 * drive.displacement},
+        "displacement": trajectory.displacement,
+        "sway": np.abs(trajectory.displacement).max(axis=0),
+        "cycle": [frame.cycle for frame in film.frames],
+        "effectiveness": trajectory.effectiveness,
+        "discarded": film.discarded,
+        "radius": np.unique(radius) if np.ptp(radius) == 0 else radius,
+        "aspect": shape[1] if shape else None,
+        "low": low,
+        "high": high,
+        "contacts": np.concatenate([[0], np.cumsum(counts)]),
+        "strongest": film.strongest,
+        "quantities": {
+            colour.value: {"name": quantity.name, "unit": quantity.unit, "most": film.most(colour)}
+            for colour, quantity in QUANTITIES.items()
+        },
+        "colour": film.colour.value,
+        "forces": film.forces,
+        "colours": _colours(),
+        "packed": packed(arrays),
+    }
+
+
+def _contacts(film: Film) -> dict:
+    """Contacts of all frames one after the other; side, floor and lid are the particles n, n + 1 and n + 2."""
+    n = film.particles
+    pairs = np.concatenate([frame.touching.pairs for frame in film.frames]).reshape(-1, 2)
+    size = np.concatenate([np.linalg.norm(frame.touching.force, axis=1) for frame in film.frames])
+    kind = "u2" if n + 3 < 65536 else "u4"
+    second = np.where(pairs[:, 1] < 0, n - 1 - pairs[:, 1], pairs[:, 1])
+    force = np.round(255 * np.sqrt(size / film.strongest))
+    return {"first": (kind, pairs[:, 0]), "second": (kind, second), "force": ("u1", force)}
+
+
+def _colours() -> np.ndarray:
+    from matplotlib import colormaps
+
+    return np.round(255 * colormaps[COLOURMAP](np.linspace(0, 1, COLOURS))[:, :3]).astype(int)

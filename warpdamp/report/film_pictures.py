@@ -1,0 +1,239 @@
+"""Film as pictures: gif by Pillow, mp4 by ffmpeg."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import MissingLibrary, SimulationError
+from ..files import whole_file
+from ..scene.shape import semi_axes
+from .film import QUANTITIES, Film, spheroids
+from .film_page import COLOURMAP
+
+TURN, TILT = 0.6, 0.25
+"""Direction of view: turned about the axis of the cavity, and from above [rad]."""
+
+WIDTH, HEIGHT, DPI = 7.2, 4.32, 100
+RATE = 20
+"""Frames shown a second."""
+
+GIF_COLOURS = 128
+LARGEST_LINE = 3.0
+"""Width of the strongest contact force's line [points]."""
+
+
+def write_gif(film: Film, path: Path) -> None:
+    """Write a film as a gif that repeats."""
+    from PIL import Image
+
+    shots = list(pictures(film))
+    some = np.concatenate(shots[:: max(1, len(shots) // 4)])
+    palette = Image.fromarray(some).quantize(GIF_COLOURS, dither=Image.Dither.NONE)
+    images = [Image.fromarray(shot).quantize(palette=palette, dither=Image.Dither.NONE) for shot in shots]
+    with whole_file(path) as part:
+        images[0].save(
+            part, format="gif", save_all=True, append_images=images[1:], duration=1000 // RATE, loop=0, optimize=True
+        )
+
+
+def write_mp4(film: Film, path: Path) -> None:
+    """Write a film as mp4 (H.264).
+
+    Raises
+    ------
+    MissingLibrary
+        If imageio-ffmpeg is not installed.
+    """
+    try:
+        from imageio_ffmpeg import write_frames
+    except ImportError:
+        line = "films as mp4 need imageio-ffmpeg: pip install 'warpdamp[film]'"
+        raise MissingLibrary(line, name="imageio_ffmpeg") from None
+    size = round(WIDTH * DPI), round(HEIGHT * DPI)
+    with whole_file(path) as part:
+        # one after the other, or the order in which threads end would change the bits
+        writer = write_frames(str(part), size, fps=RATE, codec="libx264", output_params=["-threads", "1", "-bitexact"])
+        writer.send(None)
+        try:
+            for picture in pictures(film):
+                writer.send(np.ascontiguousarray(picture))
+        finally:
+            writer.close()
+        if not part.stat().st_size:
+            raise SimulationError(f"{path}: ffmpeg wrote nothing")
+
+
+def pictures(film: Film) -> Iterator[np.ndarray]:
+    """Pictures of the frames, (height, width, 3) arrays of bytes: the cavity, and the course of the case beside it."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    figure, change = _figure(film)
+    canvas = FigureCanvasAgg(figure)
+    for k in range(len(film.frames)):
+        change(k)
+        canvas.draw()
+        yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def _figure(film: Film):
+    """Figure of a film, and the function that changes it to a frame."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI)
+    scene = figure.add_axes((0.01, 0.14, 0.53, 0.74))
+    bar = figure.add_axes((0.05, 0.115, 0.45, 0.025))
+    phase = figure.add_axes((0.66, 0.62, 0.31, 0.22))
+    course = figure.add_axes((0.66, 0.115, 0.31, 0.34))
+    figure.text(0.02, 0.95, film.title, fontsize=11, weight="bold", va="center")
+    figure.text(0.02, 0.905, film.label, fontsize=9, va="center")
+    draw_scene, mappable = _scene(scene, film)
+    quantity = QUANTITIES[film.colour]
+    figure.colorbar(mappable, cax=bar, orientation="horizontal")
+    bar.set_xlabel(f"{quantity.name} [{quantity.unit}]", fontsize=8, labelpad=1)
+    bar.tick_params(labelsize=7)
+    changes = (draw_scene, _phase(phase, film), _course(course, film))
+
+    def change(k: int) -> None:
+        for part in changes:
+            part(k)
+
+    return figure, change
+
+
+def _view() -> np.ndarray:
+    """Directions to the right, up and towards the viewer, (3, 3) rows."""
+    ct, st, ce, se = np.cos(TURN), np.sin(TURN), np.cos(TILT), np.sin(TILT)
+    return np.array([[ct, st, 0], [-st * se, ct * se, ce], [st * ce, -ct * ce, se]])
+
+
+def _scene(ax, film: Film):
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import EllipseCollection, LineCollection
+    from matplotlib.colors import Normalize
+
+    view, cavity = _view(), film.trajectory.scene.enclosure
+    norm = Normalize(0, film.most(film.colour))
+    values, sway = film.values(film.colour), film.trajectory.displacement
+    reach = np.hypot(cavity.diameter / 2, cavity.height / 2) + np.linalg.norm(sway, axis=1).max()
+    middle = np.array([0, 0, cavity.height / 2])
+    ax.set(xlim=(-reach, reach), ylim=(-reach * 1.08, reach), aspect="equal")
+    ax.axis("off")
+
+    def seen(points):
+        return (np.asarray(points) - middle) @ view.T
+
+    def draw(k: int) -> None:
+        for artist in [*ax.collections, *ax.lines]:
+            artist.remove()
+        frame, shift = film.frames[k], sway[k]
+        behind, before = _outline(cavity, shift)
+        for line in behind:
+            ax.plot(*seen(line)[:, :2].T, color="#8b97a4", lw=1, zorder=1)
+        at = seen(frame.state.position + shift)
+        order = np.argsort(at[:, 2])
+        width, height, angle = _ellipses(frame, view)
+        colours = colormaps[COLOURMAP](norm(values[k]))
+        colours[:, 3] = 0.35 if film.forces else 1.0
+        ax.add_collection(
+            EllipseCollection(
+                *(part[order] for part in (width, height, angle)),
+                units="xy",
+                offsets=at[order, :2],
+                transOffset=ax.transData,
+                facecolors=colours[order],
+                edgecolors="#1d2733",
+                linewidths=0.5,
+                zorder=2,
+            )
+        )
+        if film.forces:
+            lines, size = _force_lines(frame, shift, cavity)
+            strong = LARGEST_LINE * np.sqrt(size / film.strongest)
+            flat = [seen(line)[:, :2] for line in lines]
+            ax.add_collection(LineCollection(flat, linewidths=strong, colors="#8b1a1a", capstyle="round", zorder=3))
+        for line in before:
+            ax.plot(*seen(line)[:, :2].T, color="#8b97a4", lw=1, zorder=4)
+
+    return draw, ScalarMappable(norm, colormaps[COLOURMAP])
+
+
+def _ellipses(frame, view: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Outlines of the particles: axes [m] and the angle of the first [degrees].
+
+    With w the part of a spheroid's axis in the plane of the picture, sqrt(b^2 + (a^2 - b^2) |w|^2) along it and b
+    across.
+    """
+    radius = frame.state.radius
+    if (shape := spheroids(frame)) is None:
+        return 2 * radius, 2 * radius, np.zeros(len(radius))
+    axis, aspect = shape
+    a, b = semi_axes(radius, aspect)
+    flat = axis @ view[:2].T
+    along = np.sqrt(b**2 + (a**2 - b**2) * np.sum(flat**2, axis=1))
+    return 2 * along, 2 * b, np.degrees(np.arctan2(flat[:, 1], flat[:, 0]))
+
+
+def _outline(cavity, shift: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Lines of the cavity behind the particles and before them."""
+    round_ = np.linspace(0, 2 * np.pi, 73)
+    radius, height = cavity.diameter / 2, cavity.height
+    ring = np.stack([radius * np.cos(round_), radius * np.sin(round_), 0 * round_], axis=1) + shift
+    behind = [ring] if cavity.floor or cavity.side else []
+    if cavity.side:
+        edge = radius * np.array([np.cos(TURN), np.sin(TURN), 0])
+        behind += [np.array([sign * edge, sign * edge + [0, 0, height]]) + shift for sign in (-1, 1)]
+    return behind, [ring + [0, 0, height]] if cavity.lid or cavity.side else []
+
+
+def _force_lines(frame, shift: np.ndarray, cavity) -> tuple[np.ndarray, np.ndarray]:
+    """Lines between what presses on each other, (m, 2, 3) [m], and their forces [N]."""
+    x, pairs = frame.state.position, frame.touching.pairs
+    first, wall = x[pairs[:, 0]], -1 - pairs[:, 1]
+    side = first.copy()
+    rho = np.maximum(np.linalg.norm(first[:, :2], axis=1), 1e-300)
+    side[:, :2] *= (cavity.diameter / 2 / rho)[:, None]
+    floor, lid = first * [1, 1, 0], first * [1, 1, 0] + [0, 0, cavity.height]
+    at_wall = np.choose(np.maximum(wall, 0)[:, None], [side, floor, lid])
+    second = np.where((wall >= 0)[:, None], at_wall, x[pairs[:, 1]])
+    return np.stack([first, second], axis=1) + shift, np.linalg.norm(frame.touching.force, axis=1)
+
+
+def _phase(ax, film: Film):
+    degrees, amplitude = np.linspace(0, 360, 121), 1e3 * film.trajectory.scene.drive.displacement
+    ax.plot(degrees, amplitude * np.sin(np.radians(degrees)), color="#1b6ca8", lw=1.2)
+    (dot,) = ax.plot([], [], "o", color="#c8410b", ms=6)
+    ax.set_xticks([0, 90, 180, 270, 360])
+    ax.tick_params(labelsize=7)
+    ax.set_xlabel("phase of the drive [°]", fontsize=8, labelpad=1)
+    ax.set_ylabel("[mm]", fontsize=8)
+    ax.grid(alpha=0.3)
+
+    def draw(k: int) -> None:
+        at = 360 * (film.frames[k].cycle % 1)
+        dot.set_data([at], [amplitude * np.sin(np.radians(at))])
+        ax.set_title(f"cycle {film.frames[k].cycle:.2f}", fontsize=9)
+
+    return draw
+
+
+def _course(ax, film: Film):
+    effectiveness = film.trajectory.effectiveness
+    cycle = np.arange(1, len(effectiveness) + 1)
+    ax.plot(cycle, effectiveness, "o-", ms=3, lw=1, color="#1b6ca8")
+    ax.plot(cycle[: film.discarded], effectiveness[: film.discarded], "o", ms=2, color="white")
+    rule = ax.axvline(1, color="#c8410b", lw=1)
+    ax.set_ylim(0, 1.1 * max(float(np.max(effectiveness)), 1e-12))
+    ax.tick_params(labelsize=7)
+    ax.set_xlabel("cycle", fontsize=8, labelpad=1)
+    ax.set_ylabel("effectiveness [-]", fontsize=8)
+    ax.grid(alpha=0.3)
+
+    def draw(k: int) -> None:
+        now = min(len(effectiveness), int(film.frames[k].cycle) + 1)
+        rule.set_xdata([now, now])
+
+    return draw
