@@ -234,8 +234,9 @@ def document() -> None:
         "The state of a bed is for the most part one number: its clearance, which is how far its centre of mass "
         "travels between rest on the floor and rest against the lid.  Shaking with friction compacts by the logarithm "
         "of the cycles and never to the end; shaking without friction does in some ten blocks of 24 cycles.  That is "
-        "how beds are compacted (`warpdamp/damper/compaction.py`).  Shaken on with friction at Gamma 6, they keep their "
-        "clearance or come back to the mean (below); at lower amplitudes beds loosen ([two_optima.md](two_optima.md)).",
+        "how beds are compacted (`warpdamp/damper/compaction.py`).  Shaken on with friction at Gamma 6, they keep "
+        "their clearance or come back to the mean (below); at lower amplitudes beds loosen "
+        "([two_optima.md](two_optima.md)).",
         "## What compaction reaches",
         f"The paper's damper: **{1e3 * float(first.mean()):.2f} mm, standard deviation "
         f"{1e3 * float(first.std(ddof=1)):.2f} mm** between {first.sizes['seed']} packings, "

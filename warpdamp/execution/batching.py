@@ -30,6 +30,12 @@ SMALLEST_SHARE = 50
 FEW_BEDS = 32
 """Up to so many beds, a batch holds cases of one, so that it can start before the others are made."""
 
+GOLDEN = 0.618033988749895
+"""Multiples of it, less their whole parts, put case numbers in an order of which any beginning is a fair sample."""
+
+FEW_FREQUENCIES = 8
+"""Up to so many frequencies, one packing of each point runs before the others, so that the time left is known."""
+
 SLOWEST = 3e-6
 """Seconds that a particle-step may take (thirty times what is usual) before a worker counts as hanging."""
 
@@ -37,8 +43,8 @@ PATIENCE = 300.0
 """Seconds that a batch may take in any case: kernels are compiled, and beds made, in them."""
 
 
-def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list[int]]]:
-    """Batches of chains of case numbers, of one group and length each, the most expensive first.
+def batches(plan: Plan, numbers: np.ndarray, workers: int, *, mixed: bool = False) -> Iterator[list[list[int]]]:
+    """Batches of chains of case numbers, of one group and length each, the most expensive first, or ``mixed``.
 
     A chain of which any case is to be run is run whole; cases with one key are run once.
     """
@@ -52,7 +58,7 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list
     costs = {head: float(plan.cost[chain].sum()) for head, chain in members.items()}
     left = sum(costs.values())
     smallest = left / (SMALLEST_SHARE * workers)
-    order = sorted(members, key=lambda head: (-costs[head], head))
+    order = sorted(members, key=lambda head: (head * GOLDEN % 1 if mixed else -costs[head], head))
     by_bed = len(np.unique(plan.bed[heads])) <= FEW_BEDS
     open_batches: dict[tuple, tuple[list, float]] = {}
     for head in order:
@@ -69,6 +75,16 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int) -> Iterator[list[list
             open_batches[group] = batch, cost
     for batch, _ in open_batches.values():
         yield batch
+
+
+def pilots(plan: Plan, numbers: np.ndarray) -> np.ndarray:
+    """Case numbers to run first: of each point the first packing, if others are to follow and frequencies are few.
+
+    What they take says how long the others will.
+    """
+    points, first = np.unique(numbers // plan.cases.shape[-1], return_index=True)
+    few = len(np.unique(plan.frequency[numbers])) <= FEW_FREQUENCIES
+    return np.sort(numbers)[first] if few and len(points) < len(numbers) else numbers[:0]
 
 
 def _members(plan: Plan, heads: np.ndarray) -> dict[int, list[int]]:

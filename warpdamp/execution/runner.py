@@ -10,7 +10,7 @@ import numpy as np
 
 from ..status import Status
 from .adaptive import needed_cases
-from .batching import batches, limit
+from .batching import batches, limit, pilots
 from .dispatch import Abandoned, Job, run_jobs
 from .estimate import Estimate
 from .store import Finished
@@ -102,10 +102,12 @@ class Runner:
         """Jobs of the numbers given, then of further ones as results require them; None while none are known."""
         while True:
             if len(numbers):
+                first = pilots(self.plan, numbers) if not len(self._numbers) else numbers[:0]
                 self._numbers = np.union1d(self._numbers, numbers)
                 self._estimate.add(numbers)
                 yield from self._first_jobs(numbers)
-                yield from self._case_jobs(numbers)
+                yield from self._case_jobs(first)
+                yield from self._case_jobs(numbers[~np.isin(self.plan.keys[numbers], self.plan.keys[first])])
             while not self._new_results:
                 yield None
             self._new_results = False
@@ -180,17 +182,17 @@ class Runner:
             self._fail(members, Status.OVERDUE if result.overdue else Status.DIED, result.reason)
             return
         self.run_log.finished(result)
-        self._count(members, result.particle_steps)
+        self._count(members, result.each)
 
     def _fail(self, numbers: np.ndarray, status: Status, reason: str) -> None:
         """Store cases that could not be run, with their status and the reason."""
         self.store.write([(bytes(self.plan.keys[n]), {"status": int(status), "message": reason}) for n in numbers])
         self.run_log.failed(len(numbers))
-        self._count(numbers, 0.0)
+        self._count(numbers, np.zeros(len(numbers)))
 
-    def _count(self, numbers: np.ndarray, particle_steps: float) -> None:
+    def _count(self, numbers: np.ndarray, seconds) -> None:
         self._new_results = True
-        self._estimate.finished(numbers, particle_steps)
+        self._estimate.finished(numbers, seconds)
         self.run_log.progress(self._estimate.share)
         self.report("cases", self._estimate.share)
 

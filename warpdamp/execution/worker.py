@@ -47,7 +47,7 @@ class Outcome:
     unfinished : those of them that could not be run
     seconds : of wall time
     cpu : of processor time, and what of it was spent in advancing cases [s]
-    particle_steps : that the cases took
+    each : processor time of each case, in the order of the chains; 0 for those that failed [s]
     records : log records (level, message)
     """
 
@@ -56,7 +56,7 @@ class Outcome:
     seconds: float = 0.0
     cpu: float = 0.0
     advancing: float = 0.0
-    particle_steps: float = 0.0
+    each: list[float] = field(default_factory=list)
     records: list[tuple[int, str]] = field(default_factory=list)
 
 
@@ -80,7 +80,7 @@ def shake_and_keep(folder: str, work: Work) -> Outcome:
             seconds=time.perf_counter() - started,
             cpu=time.process_time() - cpu,
             advancing=sum(value.get("cpu_time", 0.0) for _, value in results),
-            particle_steps=_particle_steps(work.chains, results),
+            each=_seconds(work.chains, results, time.process_time() - cpu),
             records=records,
         )
 
@@ -100,9 +100,11 @@ def _values(chains: list[list[Spec]], criteria: Criteria) -> list[tuple[tuple[in
     return [result for chain in chains for result in _values([chain], criteria)]
 
 
-def _particle_steps(chains: list[list[Spec]], results) -> float:
-    particles = {spec.index: len(spec.bed.grains) for chain in chains for spec in chain}
-    return float(sum(values.get("steps", 0) * particles[index] for index, values in results))
+def _seconds(chains: list[list[Spec]], results, cpu: float) -> list[float]:
+    """Processor time of each case: of its advance, and its part of what else the batch took."""
+    advance = {index: values.get("cpu_time", 0.0) for index, values in results}
+    others = max(0.0, cpu - sum(advance.values())) / max(1, sum(spent > 0 for spent in advance.values()))
+    return [advance[spec.index] + others * (advance[spec.index] > 0) for chain in chains for spec in chain]
 
 
 def compile_kernels(scene: Scene, effects: Effects) -> None:
