@@ -1,6 +1,7 @@
 """Contacts one by one, as they are between two steps: their force, and what they lose in the step that follows.
 
-Nothing here moves a particle or a spring: a run that is looked at keeps its bits.
+Nothing here moves a particle or a spring.  Where particles are spheroids the search for contacts keeps the directions
+that it finds: give it copies of the contacts' histories, and a run that is looked at keeps its bits.
 """
 
 import functools
@@ -10,6 +11,7 @@ import warp as wp
 from .cylinder import wall_contacts
 from .options import UNIQUE
 from .pairs import pair_contacts
+from .shape import shape
 from .structs import FLOOR, LID, SIDE, WALLS, types
 
 
@@ -17,10 +19,12 @@ from .structs import FLOOR, LID, SIDE, WALLS, types
 def probe(effects):
     """Return the kernels ``probe_pairs`` and ``probe_walls`` for the given effects."""
     t = types(effects)
-    vec3, Losses = t.vec3, t.Losses
+    real, vec3, Losses = t.real, t.vec3, t.Losses
     Case, Particle, Contacts = t.Case, t.Particle, t.Contacts
     pair_contact = pair_contacts(effects, 1).pair_contact
     wall_contact = wall_contacts(effects, 1).wall_contact
+    s = shape(effects)
+    pair_near, wall_near = s.pair_near, s.wall_near
     channels = wp.constant(t.Losses._length_)
 
     @wp.func
@@ -43,10 +47,13 @@ def probe(effects):
     ):
         """Force on the first particle of every listed pair [N], and the loss of a step [J]; zero where they part."""
         k = wp.tid()
+        force[k] = vec3()
+        lost[k] = wp.float64(0.0)
         case = cases[group[c.owner[k]]]
-        f, _on_i, _on_j, _history, losses, _depth = pair_contact(case, p, c, k, case.dt, case.dt)
-        force[k] = f
-        lost[k] = total(losses)
+        if pair_near(case, p, c, k, real(0.0)) == 1:
+            f, _on_i, _on_j, _history, losses, _depth = pair_contact(case, p, c, k, case.dt, case.dt)
+            force[k] = f
+            lost[k] = total(losses)
 
     @wp.func
     def there(wall: int):
@@ -76,9 +83,11 @@ def probe(effects):
         force[place] = vec3()
         lost[place] = wp.float64(0.0)
         case = cases[group[i]]
-        if there(place - WALLS * i):
-            f, _torque, _history, losses, _depth = wall_contact(case, p, c, place, case.dt, case.dt)
-            force[place] = f
-            lost[place] = total(losses)
+        wall = place - WALLS * i
+        if there(wall):
+            if wall_near(case, p, c, i, wall) == 1:
+                f, _torque, _history, losses, _depth = wall_contact(case, p, c, place, case.dt, case.dt)
+                force[place] = f
+                lost[place] = total(losses)
 
     return probe_pairs, probe_walls

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import functools
 import importlib.util
 import io
@@ -32,6 +33,7 @@ from warpdamp import ConfigError, load, open_results
 from warpdamp.coupled import recorded
 from warpdamp.errors import ModalError, WarpdampError
 from warpdamp.formats import mode_rst
+from warpdamp.formats.apart import seconds_for
 from warpdamp.formats.frf_file import read_frf
 from warpdamp.formats.mesh_file import load_named
 from warpdamp.formats.mode_csv import read_csv, write_csv
@@ -157,13 +159,17 @@ def _card(path: Path) -> None:
         assert (part[f"{name}_interval"] >= 0).all()
 
 
-def _forked(function: Callable, file: Path):
+def _forked(function: Callable, file: Path, _library: str):
     """The same as ``formats.apart``, by a fork: libraries are imported once, not for each of a thousand files."""
     result = file.with_name("result-of-a-process")
     result.unlink(missing_ok=True)
     child = os.fork()
     if child == 0:
+        import resource  # not on Windows, where there is no fork either
+
         signal.alarm(0)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        faulthandler.dump_traceback_later(seconds_for(file), exit=True)
         try:
             found = function(file)
         except Exception as error:  # which the parent raises again
@@ -173,7 +179,7 @@ def _forked(function: Callable, file: Path):
         os._exit(0)
     end = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if not result.is_file():
-        raise ModalError(f"{file} is damaged: its reader crashed ({end}): write it again")
+        raise ModalError(f"{file} is damaged: its reader crashed or came to no end ({end}): write it again")
     found = pickle.loads(result.read_bytes())
     if isinstance(found, Exception):
         raise found

@@ -102,7 +102,7 @@ def test_the_readme_is_short():
 
 def test_the_tutorial_is_one_script_that_begins_with_the_installation():
     lines = script((ROOT / "docs" / "tutorial" / "index.md").read_text(encoding="utf-8")).splitlines()
-    assert lines[1:3] == ["python3 -m venv .venv", ".venv/bin/pip install ."]
+    assert lines[1:3] == ["python3 -m venv .venv", '.venv/bin/pip install ".[report]"']
     assert "cat > own.yaml <<'END'" in lines
     assert "warpdamp run own.yaml -o results --quick" in lines
 

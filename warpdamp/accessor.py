@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from .analysis.effects import effect_of
 from .analysis.emulator import Emulator
 from .analysis.optimum import optimum
 from .analysis.regimes import regime
@@ -59,6 +60,30 @@ class Damper:
         """
         return optimum(self._dataset, of)
 
+    def effect_of(self, factor: str, *, step: float | None = None) -> xr.Dataset:
+        """Effect of a swept scalar on both optima and the curve; see ``warpdamp.analysis.effects.effect_of``.
+
+        Parameters
+        ----------
+        factor : str
+            The scalar's key, as ``contact.friction``, or its coordinate's name.
+        step : float, optional
+            Change of the factor, in its unit, that an effect is stated for (default: a doubling; where a level is zero
+            or negative, all of the range).
+
+        Returns
+        -------
+        xarray.Dataset
+            Signed relative effects with 95 % intervals, tests and a verdict for each of ``gamma_fluidisation``,
+            ``effectiveness_fluidisation``, ``gamma_collision`` and ``effectiveness_collision``.
+
+        Raises
+        ------
+        UsageError
+            If there is no such factor, it has one level, or there are fewer than three packings.
+        """
+        return effect_of(self._dataset, factor, step=step)
+
     def regime(self) -> xr.DataArray:
         """Regime of motion of every case; see ``warpdamp.analysis.regimes.regime``.
 
@@ -94,7 +119,7 @@ class Damper:
         >>> emulator = open_results("docs/beam.nc").damper.emulator()
         >>> emulator.names
         ['frequency', 'gamma']
-        >>> at = emulator.predict(frequency=37.6, gamma=[4.0, 40.0])
+        >>> at = emulator.predict(frequency=40.0, gamma=[4.0, 40.0])
         >>> at["trusted"].values.tolist()
         [1, 0]
         """

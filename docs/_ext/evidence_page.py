@@ -27,6 +27,7 @@ SHOWS = {
     "benchmark": "speed beside LAMMPS, LIGGGHTS and YADE, scaling, memory, starting times",
     "card": "a damper as a part; with it the beam by FRF, harmonic solution and substructuring",
     "coupling": "the prediction against structures that answer the particles, and the price of each",
+    "design": "the emulator on cases that it has not seen, recovery of friction and restitution, design problems",
     "effects": "what each effect costs, on and off, and against kernels that never had it",
     "first-time": "the tutorial's commands and minutes in an empty environment",
     "frequency_map": "the paper's damper over 27 frequencies and 24 amplitudes: optima, fits, regimes",

@@ -7,6 +7,8 @@ import pytest
 from warpdamp import Config, ConfigError, load
 from warpdamp.config.build import bed
 from warpdamp.config.preparation import carried_path, preparation_word
+from warpdamp.sweep.cases import Cases
+from warpdamp.sweep.plan import make_plan
 from warpdamp.sweep.resolve import shortened
 
 BASE = """
@@ -92,3 +94,59 @@ def test_the_schema_has_words_and_states():
     }
     assert nodes["words"]["enum"] == ["loose", "compacted", "carried"]
     assert "#/$defs/PreparationConfig" in nodes
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (
+            "clearance: 18 mm",
+            "18 mm: the particles of damper fill 0.387 of it, and packed as densely as .* leave 11.9 mm",
+        ),
+        ("packing_fraction: 0.3", "0.3: the particles of damper fill 0.387 of it at least, and 0.74 is the densest"),
+        ("packing_fraction: 0.8", "0.8: the particles of damper fill 0.387"),
+        ("clearance: [2 mm, 20 mm]", "preparation.clearance: 20 mm"),
+    ],
+)
+def test_what_no_bed_can_have_is_refused_before_one_is_made(study, asked, said):
+    with pytest.raises(ConfigError, match=said):
+        study(f"{{{asked}}}")
+
+
+MADE = "{made_with: {contact: {friction: 0.86}, excitation: {gravity: 9.81 m/s^2}}}"
+
+
+def test_beds_are_made_with_other_values_than_they_are_shaken_with(study):
+    """Two frictions and no gravity from one bed: cases have their own scene, beds the one they are made with."""
+    config = study(MADE, BASE.replace("0.86", "[0.1, 0.5]").replace("gamma:", "gravity: 0, gamma:"))
+    specs = list(Cases(config).specs())
+    assert {spec.scene.particle_contact.friction for spec in specs} == {0.1, 0.5}
+    assert {spec.scene.gravity for spec in specs} == {(0, 0, 0)}
+    assert len({spec.bed.key() for spec in specs}) == 1
+    assert specs[0].bed.scene.particle_contact.friction == 0.86
+    assert specs[0].bed.scene.gravity == (0, 0, -9.81)
+    assert specs[0].bed.key() == next(Cases(study("compacted")).specs()).bed.key()
+    assert preparation_word(config.preparation) == "compacted"
+    assert len(set(make_plan(Cases(config)).keys)) == 4
+    same = make_plan(Cases(study(MADE))), make_plan(Cases(study("compacted")))  # what beds are made with anyhow
+    assert set(same[0].keys) == set(same[1].keys)
+
+
+@pytest.mark.parametrize(
+    ("preparation", "message"),
+    [
+        ("{made_with: {}}", r"FILE:9:1: preparation: give one of"),
+        ("{made_with: {damper: {count: 3}}}", r"FILE:9:[0-9]+: preparation.made_with.damper: is not one of materials, contact, ex"),
+        ("{made_with: {excitation: {gamma: 3}}}", r"FILE:9:[0-9]+: preparation.made_with.excitation.gamma: is not one of gravity"),
+        ("{made_with: {contact: {friktion: 1}}}", r"FILE:9:[0-9]+: preparation.made_with.contact.friktion: extra inputs"),
+        ("{made_with: {contact: {friction: [0.1, 1]}}}", r"FILE:9:[0-9]+: preparation.made_with.contact.friction: needs one value"),
+        ("{made_with: {contact: {friction: -1}}}", r"FILE:9:[0-9]+: preparation.made_with.contact.friction: input should be"),
+        ("{carried: {path: [up]}, made_with: {contact: {friction: 1}}}", r"FILE:9:[0-9]+: preparation.made_with: is for compacted"),
+        (f"{MADE}\nsweep: {{product: {{made_with.contact.friction: [0, 1]}}}}", r"FILE:10:19: .*not a scalar of this conf"),
+    ],
+)  # fmt: skip
+def test_what_beds_cannot_be_made_with_is_refused_at_its_place(study, tmp_path, preparation, message):
+    with pytest.raises(ConfigError) as refused:
+        Cases(study(preparation))
+    said = str(refused.value).replace(str(tmp_path / "study.yaml"), "FILE")
+    assert re.match(message, said), said

@@ -1,6 +1,7 @@
 """Coupled runs from a configuration: forces, what is read off the records, and what is refused."""
 
 import math
+import re
 import subprocess
 import sys
 
@@ -8,14 +9,18 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.signal import lsim
+from typer.testing import CliRunner
 
 from warpdamp import ConfigError, fits, load
+from warpdamp.cli.app import app
 from warpdamp.config.coupled import RandomConfig, SweptConfig
 from warpdamp.coupled import forces
 from warpdamp.coupled.response import averaged
 from warpdamp.coupled.run import planned, simulate
 from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
+from warpdamp.report.tables import coupled_verdicts
+from warpdamp.study.explain import explain
 
 HEAVY = """
 structure:
@@ -172,3 +177,40 @@ def test_what_cannot_be_run_is_refused(write, old, new, message):
     text = HEAVY + (f"{new}\n" if not old else "coupled: {duration: 1 s, release: {gamma: 1, mode: 1}}\n")
     with pytest.raises(ConfigError, match=message):
         simulate(load(write(text.replace(old, new) if old else text)), InProcess())
+
+
+def test_it_is_explained_or_said_why_not(write):
+    text = explain(load(write(HEAVY + "coupled: {duration: 1 s, release: {gamma: 1, mode: 1}, levels: [1, 2]}\n")))
+    assert "Coupled runs (warpdamp coupled)\n  runs: 2 (levels 2, seeds 1) of 1 s by release" in text
+    assert "particle-steps; beds are extra" in text.splitlines()[-1]
+    text = explain(load(write(HEAVY + "coupled: {duration: 1 s, recorded: {file: no.csv}}\n")))
+    assert re.search(r"are refused: .*coupled.recorded: there is no file .*no.csv", text)
+    base = "coupled: {duration: 1 s, base: {harmonic: {gamma: 1, frequency: 40 Hz}}}\n"
+    assert "gives no participation" in explain(load(write(HEAVY + base)))
+    assert "Coupled" not in explain(load(write(HEAVY)))
+
+
+def test_what_went_in_and_came_out_is_said(write):
+    """Of noise on a base: gRMS of both and the peak of the transmissibility; of a force in a band the accelerance's."""
+    text = HEAVY.replace("damping: 1 %", "damping: 5 %, participation: 6 kg^0.5")
+    noise = "coupled: {duration: 4 s, base: {random: {spectrum: [[20 Hz, 1e-4 g^2/Hz], [80 Hz, 1e-4 g^2/Hz]]}}}\n"
+    runs = simulate(load(write(text + noise)), InProcess())
+    first, last = coupled_verdicts(runs)
+    assert first.startswith(f"level 1: {float(runs['base_grms'][0]):.3g} g rms in, ")
+    assert re.search(r" g rms out; transmissibility at most \d+(\.\d+)?, at \d+(\.\d+)? Hz$", first)
+    assert last.startswith("particles took ")
+    force = "coupled: {duration: 4 s, random: {rms: 2 N, from: 20 Hz, to: 80 Hz}}\n"
+    first, _ = coupled_verdicts(simulate(load(write(text + force)), InProcess()))
+    assert re.match(r"level 1: 2 N rms in, .* g rms out; accelerance at most .* m s\^-2 N\^-1, at ", first)
+
+
+def test_other_commands_say_what_the_file_is(write, tmp_path):
+    runs = simulate(load(write(HEAVY + "coupled: {duration: 0.1 s, release: {gamma: 1, mode: 1}}\n")), InProcess())
+    runs.to_netcdf(tmp_path / "coupled.nc")
+    drawn = CliRunner().invoke(app, ["plot", str(tmp_path / "coupled.nc")])
+    assert drawn.exit_code == 0, drawn.output
+    assert (tmp_path / "coupled.png").read_bytes()[:4] == b"\x89PNG"
+    for command in ("card", "frf"):
+        done = CliRunner().invoke(app, [command, str(tmp_path / "coupled.nc")])
+        assert done.exit_code == 2
+        assert "coupled.nc: holds coupled runs, no study of prescribed motion: warpdamp plot draws them" in done.output

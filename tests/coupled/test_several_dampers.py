@@ -4,13 +4,18 @@ import math
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from conftest import ROOT
 from warpdamp import Batch, Case, ConfigError, Cylinder, State, load
+from warpdamp.analysis.results import read
+from warpdamp.cli.app import app
 from warpdamp.coupled.identify import from_decay
 from warpdamp.coupled.run import own_seed, planned, simulate
 from warpdamp.execution.executors import InProcess
 from warpdamp.scene.host import BaseMotion, Force, HostStructure
 from warpdamp.scene.paper import RADIUS
+from warpdamp.study.explain import explain
 
 GRAVITY = (0.0, 0.0, -9.81)
 
@@ -228,3 +233,22 @@ def test_dampers_whose_walls_differ_are_refused(write):
     )
     with pytest.raises(ConfigError, match=r"dampers.0.enclosure.lid: in a coupled run either all dampers have"):
         simulate(load(write(text + "coupled: {duration: 0.5 s, release: {gamma: 2, mode: 1}}\n")), InProcess())
+
+
+def test_the_example_of_two_dampers_runs_coupled(tmp_path):
+    """Shortened: energies of each damper in the file, both along the beam's modes, and the command says who took what."""
+    text = (ROOT / "configs" / "two_dampers.yaml").read_text()
+    text = text.replace("duration: 1 s", "duration: 60 ms").replace("seeds: [1, 2]", "seeds: [1]\npreparation: loose")
+    text = text.replace("3.3 GPa", "33 MPa").replace("count: 120", "count: 30").replace("count: 40", "count: 12")
+    (tmp_path / "two.yaml").write_text(text)
+    done = CliRunner().invoke(app, ["coupled", str(tmp_path / "two.yaml"), "-o", str(tmp_path), "--workers", "1"])
+    assert done.exit_code == 0, done.output
+    assert "% (dampers 1 to 2) of the energy lost" in done.output
+    runs = read(tmp_path / "two-coupled.nc", coupled=True).isel(level=0, seed=0)
+    assert (runs["particle_loss"] > 0).all()
+    assert float(runs["closure"]) < 5e-3
+    first, second = runs["structure_displacement"]
+    # mode 1 at a quarter of the length over its middle: from 0.5, all mass there, x^2 (3 L - 4 x), to 0.54, none
+    assert 0.5 < float(second[0] / first[0]) < 0.54
+    text = (tmp_path / "two.yaml").read_text()
+    assert "runs: 1 (levels 1, seeds 1) of 0.06 s by release, 2 dampers each" in explain(load(tmp_path / "two.yaml"))

@@ -79,3 +79,18 @@ def test_every_step_looked_at_gives_the_ledgers_losses_exactly(spec, monkeypatch
     frames = record([spec], [2], frames=2, shown=2).frames  # the second frame is one cycle after the first
     series = record([spec], [2], frames=2, shown=1).ledger.per_cycle()
     assert frames[1].lost.sum() == pytest.approx(series[0], rel=1e-6)  # the ledger halves the first step of a run
+
+
+def test_spheroids_lose_in_the_probe_what_they_lose_in_the_ledger(monkeypatch):
+    """Twice as long as wide: contacts, losses and axes of spheroids."""
+    monkeypatch.setattr("warpdamp.damper.trajectory.SAMPLES_PER_CONTACT", 10_000)
+    scene = damper(400.0, 20.0)
+    grains = Grains.alike(RADIUS, 12, aspect=2.0)
+    spec = Spec((0, 0, 0), scene, steps_per_cycle(scene, grains), Request(scene.driven(None), grains, 1, "loose"))
+    trajectory = record([spec], [2], frames=2, shown=2)
+    first, second = trajectory.frames
+    assert second.lost.sum() == pytest.approx(trajectory.ledger.per_cycle()[0], rel=1e-6)
+    other = record([spec], [2], frames=5, shown=1)
+    assert np.array_equal(other.ledger.rows, trajectory.ledger.rows)
+    assert np.linalg.norm(second.state.axis, axis=1) == pytest.approx(1.0)
+    assert not np.allclose(first.state.axis, second.state.axis, atol=1e-4)

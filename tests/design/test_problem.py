@@ -6,41 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from design_studies import study
 from warpdamp import ConfigError, load
 from warpdamp.design.bounds import collision_clearance, find_bounds, largest_damping, least_mass
 from warpdamp.design.problem import Problem
 from warpdamp.scene.scene import STANDARD_GRAVITY
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-
-STUDY = """\
-structure:
-  modes_given: [{{frequency: 40 Hz, modal_mass: 0.4 kg}}, {{frequency: 250 Hz, modal_mass: 0.6 kg, number: 3}}]
-  particles_included: {included}
-damper:
-  enclosure: {{diameter: 40 mm, height: 40 mm, material: pmma_terzioglu}}
-  particles: {{count: 60, radius: 3.73 mm, material: {material}}}
-contact: {contact}
-excitation: {{gamma: [2, 4]}}
-design:
-  target: {target}
-  variables: {variables}
-  limits: {limits}
-"""
-
-
-def study(tmp_path, **changes):
-    given = {
-        "included": "true",
-        "material": "pmma_terzioglu",
-        "contact": "{}",
-        "target": "{damping: 1 %, modes: [1], gamma: [2, 6]}",
-        "variables": "{enclosure.height: {from: 30 mm, to: 50 mm}, particles.count: {from: 20, to: 120}}",
-        "limits": "{}",
-    } | changes
-    path = tmp_path / "study.yaml"
-    path.write_text(STUDY.format(**given))
-    return load(path)
 
 
 def sampled(problem, n=64):

@@ -31,7 +31,7 @@ def mass_matrix(result, monkeypatch):
     vectors = shape.reshape(len(shape), -1).T
     matrix = vectors @ np.linalg.matrix_power(np.linalg.inv(vectors.T @ vectors), 2) @ vectors.T
     monkeypatch.setattr(rst, "mass_matrix", lambda file: (freedom, triu(csr_matrix(matrix)).tocsr()))
-    monkeypatch.setattr(rst, "apart", lambda function, file: function(file))
+    monkeypatch.setattr(rst, "apart", lambda function, file, library: function(file))
     result.with_suffix(".full").touch()
 
 
@@ -106,11 +106,13 @@ def test_a_reader_that_crashes_is_a_damaged_file(tmp_path, monkeypatch):
 
     file = tmp_path / "run.rst"
     file.write_text("123")
-    assert apart(some_reader.size, file) == 3
-    with pytest.raises(ModalError, match=r"run.rst is damaged: its reader crashed \(-6\): write it again"):
-        apart(some_reader.crash, file)
+    assert apart(some_reader.size, file, "json") == 3
+    with pytest.raises(
+        ModalError, match=r"run.rst is damaged: its reader crashed or came to no end \(-6\): write it again"
+    ):
+        apart(some_reader.crash, file, "json")
     with pytest.raises(ModalError, match=r"run.rst is nothing"):
-        apart(some_reader.refuse, file)
+        apart(some_reader.refuse, file, "json")
 
 
 def test_a_missing_reader_is_named_with_its_remedy(tmp_path, monkeypatch):

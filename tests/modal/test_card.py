@@ -317,7 +317,7 @@ def test_the_commands(tmp_path):
         ): "the structure carries 2, and the cards given are 1",
         ("damping", part, "--structure", ROOT / "configs" / "cantilever.yaml"): "a mode at 51.",
         ("damping", part, part, "--structure", config): "the structure carries 1, and the cards given are 2",
-        ("damping", tmp_path / "frf.nc", "--structure", config): "is not a results file",
+        ("damping", tmp_path / "frf.nc", "--structure", config): "is an FRF: warpdamp fit reads it",
         ("card", beam, "-o", tmp_path / "d.bdf"): "give it by --gamma",
         ("card", beam, "--gamma", 5, "-o", tmp_path / "d.csv"): "leave it out",
         ("card", beam, "-o", tmp_path / "d.txt"): "name a file that ends in .nc or .csv, or in .bdf or .dat",
@@ -326,3 +326,41 @@ def test_the_commands(tmp_path):
         done = warpdamp(*arguments)
         assert done.exit_code == 2, (arguments, done.output)
         assert message in " ".join(done.output.split())
+
+
+def test_a_card_of_another_damper_is_said(part, tmp_path):
+    """By the first thing that differs, and how many more; the same damper is not mentioned."""
+    write_card(part, tmp_path / "one.csv")
+    text = (ROOT / "configs" / "beam.yaml").read_text()
+    (tmp_path / "same.yaml").write_text(text.replace("title:", "# other words\ntitle:"))
+    (tmp_path / "other.yaml").write_text(
+        text.replace("count: 120", "count: 60").replace("friction: 0.86", "friction: 0.5")
+    )
+    for name, said in (
+        ("same", ""),
+        ("other", "particles.count 120 where the study has 60, and 1 more; the card counts"),
+    ):
+        for command in ("damping", "frf"):
+            arguments = [command, str(tmp_path / "one.csv"), "--structure", str(tmp_path / f"{name}.yaml")]
+            arguments += ["-o", str(tmp_path / "out.nc")]
+            done = CliRunner().invoke(app, arguments)
+            assert done.exit_code == 0, done.output
+            assert ("the card is of another damper" in done.output) == bool(said)
+            assert said in " ".join(done.output.split())
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("apparent_mass", np.nan, "apparent_mass at frequency 39.5.*, gamma .* is nan, expected a finite number"),
+        ("quadrature_mass_interval", -1.0, "is -1, expected at least 0"),
+        ("packings", 0.5, "packings at .* expected a whole number"),
+    ],
+)
+def test_a_netcdf_card_with_damaged_numbers_is_refused(part, tmp_path, name, value, said):
+    damaged = part.copy(deep=True)
+    damaged[name] = damaged[name].astype(float)
+    damaged[name][{"frequency": 0, "gamma": 3}] = value
+    write_card(damaged, tmp_path / "damaged.nc")
+    with pytest.raises(ModalError, match=f"damaged.nc: is a damaged card: .*{said}.*: write it again"):
+        read_card(tmp_path / "damaged.nc")

@@ -299,10 +299,36 @@ def test_the_command_line(tmp_path):
         ("frf", beam, "--constant-force", "5 N", "--band", "30", "50"): "take a force between",
         ("frf", beam, "--constant-force", "5 m"): "has the wrong unit",
         ("frf", beam, "--at", "friction=1"): "no swept scalar 'friction'",
-        ("frf", tmp_path / "frf.nc"): "is not a results file",
+        ("frf", tmp_path / "frf.nc"): "is an FRF: warpdamp fit reads it",
         ("fit", tmp_path / "none.csv"): "no such file",
     }.items():
         done = warpdamp(*arguments)
         assert done.returncode == 2
         assert message in " ".join(done.stderr.split())
         assert "Traceback" not in done.stderr
+
+
+def test_at_the_natural_frequency_of_a_mode_without_damping():
+    """The receptance is infinite there, the dynamic mass that of the other end of the chain: minus the particles."""
+    model = ModalModel(np.array([40.0, 90.0]), np.array([1.7, 0.8]), np.zeros(2), 0.02)
+    assert np.isinf(model.receptance(40.0))
+    assert model.dynamic_mass(np.array([40.0, 90.0])) == pytest.approx([-0.02, -0.02])
+    near = model.dynamic_mass(40.0 * (1 + 1e-9))
+    assert model.dynamic_mass(40.0) == pytest.approx(near, abs=1e-8)
+
+
+def test_a_band_of_one_text_and_branches_are_refused_with_their_remedy(tmp_path):
+    from typer.testing import CliRunner
+
+    from warpdamp.cli.app import app
+
+    beam = str(ROOT / "docs" / "beam.nc")
+    done = CliRunner().invoke(app, ["frf", beam, "--band", "40,50", "-o", str(tmp_path / "x.png")])
+    assert done.exit_code == 2
+    assert "'40,50' is no frequency: give two numbers in Hz" in done.output
+    branches = str(tmp_path / "branches.nc")
+    made = CliRunner().invoke(app, ["frf", beam, "--constant-force", "50 mN", "--band", "38", "41", "-o", branches])
+    assert made.exit_code == 0, made.output
+    done = CliRunner().invoke(app, ["fit", branches])
+    assert done.exit_code == 2
+    assert "holds branches at constant force" in done.output

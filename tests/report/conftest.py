@@ -1,5 +1,8 @@
 """A small study with its results, and a film of one of its cases."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from warpdamp import run
@@ -59,27 +62,10 @@ def film(taken):
 @pytest.fixture(scope="session")
 def spheroids(film):
     """The same film with particles that are twice as long as wide, their axes turning from z to x."""
-    from dataclasses import replace
-
-    import numpy as np
-
     frames = []
     for k, frame in enumerate(film.frames):
         angle = 0.5 * np.pi * k / (len(film.frames) - 1)
         axis = np.tile([np.sin(angle), 0, np.cos(angle)], (film.particles, 1))
-        state = Shaped(frame.state, axis, np.full(film.particles, 2.0))
+        state = replace(frame.state, axis=axis, aspect=np.full(film.particles, 2.0))
         frames.append(replace(frame, state=state))
     return replace(film, trajectory=replace(film.trajectory, frames=frames))
-
-
-class Shaped:
-    """A state with an axis and an aspect for every particle."""
-
-    def __init__(self, state, axis, aspect):
-        self._state, self.axis, self.aspect = state, axis, aspect
-
-    def __getattr__(self, name):
-        return getattr(self._state, name)
-
-    def __len__(self):
-        return len(self._state)

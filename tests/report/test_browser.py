@@ -6,13 +6,12 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from browser import MISSING, OVERLAPS, browser, complaints, open_page, resize, violations
 from warpdamp.report.calculator import Calculator
 from warpdamp.report.film_page import write_film_page
 from warpdamp.report.report_page import write_report
 from warpdamp.study.again import stored_config
 from warpdamp.sweep.cases import Cases
-
-from .browser import MISSING, OVERLAPS, browser, complaints, open_page, resize, violations
 
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=MISSING)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import UsageError
-from ..numerics.regression import Maximum, maxima_of_packings
+from ..numerics.regression import Maximum, packings_left_out, widened
 from ..scene.scene import STANDARD_GRAVITY
 from .results import over_packings
 
@@ -133,12 +133,20 @@ class Curves:
         """Maxima of the curve at an index along ``dims``, by the motion that they belong to, or why there is none."""
         if "damper" in self.dataset.dims:
             return dict.fromkeys(MOTIONS, "several dampers, each with its own")
+        found = self.left_out(at)
+        mean = _by_gamma_and_seed(self.mean.isel(at))[:, 0]
+        return {
+            which: found[which][0] if which in found else _why_none(which, self._expected(at), self.gamma, mean)
+            for which in MOTIONS
+        }
+
+    def left_out(self, at: dict[str, int]) -> dict[str, tuple[Maximum, list[Maximum | None]]]:
+        """Maxima at an index along ``dims``, by motion; each with the same of the curves without one packing."""
         value, error = (_by_gamma_and_seed(array.isel(at)) for array in (self.value, self.error))
-        mean, claimed = (_by_gamma_and_seed(array.isel(at))[:, 0] for array in (self.mean, self.claimed))
-        expected = self._expected(at)
-        tops = [self._as_claimed(top, claimed) for top in maxima_of_packings(self.gamma, value, error)]
-        called = _called(tops, expected)
-        return {which: called.get(which) or _why_none(which, expected, self.gamma, mean) for which in MOTIONS}
+        claimed = _by_gamma_and_seed(self.claimed.isel(at))[:, 0]
+        found = packings_left_out(self.gamma, value, error)
+        tops = {self._as_claimed(widened(top, without), claimed): without for top, without in found}
+        return {which: (top, tops[top]) for which, top in _called(list(tops), self._expected(at)).items()}
 
     def _as_claimed(self, top: Maximum, claimed: np.ndarray) -> Maximum:
         """A maximum whose height is known no better than the points near it are claimed to be."""

@@ -291,8 +291,8 @@ def damping(
         said = list(dict.fromkeys(line for part in parts for line in card_verdicts(part)))
         if len(parts) == 1:
             parts *= 1 + len(checked.dampers)
-        said += filter(None, (difference(part, checked, k) for k, part in enumerate(parts, 1)))
         modes = modes_with(checked, [float(part["particle_mass"]) for part in parts])
+        said += filter(None, (difference(part, checked, k) for k, part in enumerate(parts, 1)))
         found = cards.damping(parts, modes)
         if output:
             if output.suffix != ".nc":

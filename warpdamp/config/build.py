@@ -8,7 +8,7 @@ from ..numerics.timestep import Numerics
 from ..scene.particles import Grains
 from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Material, Scene, Surface
 from .damper import WALLS
-from .preparation import carried_path, state_asked
+from .preparation import carried_path, preparation_word, state_asked
 from .study import Config
 
 
@@ -65,7 +65,7 @@ def bed(config: Config) -> dict:
     """How a bed of a configuration without lists is prepared, as arguments of ``Request``; carried ones begin loose."""
     if asked := state_asked(config.preparation):
         return {"preparation": "compacted", **asked}
-    return {"preparation": "loose" if carried_path(config.preparation) else config.preparation}
+    return {"preparation": "loose" if carried_path(config.preparation) else preparation_word(config.preparation)}
 
 
 def numerics_of(config: Config) -> Numerics:

@@ -73,6 +73,7 @@ class ContactConfig(SurfaceConfig):
     pairs: dict[Annotated[str, Field(pattern=r"^\S+ with \S+$")], SurfaceConfig] = Field({})
     """Surfaces of pairs of materials that differ, by ``A with B`` or ``A with walls``."""
     source: str | None = None
+    """Where restitution and friction are from, if of the library."""
     """Where the values are from."""
 
 

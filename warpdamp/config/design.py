@@ -27,10 +27,15 @@ class TargetConfig(Model):
     """
 
     damping: Annotated[Number, Field(gt=0, lt=1)] | None = None
+    """Damping ratio wanted, with what the bare structure has."""
     modes: Annotated[list[ModeNumber], Field(min_length=1)] | None = None
+    """Numbers of the modes that must have it; all of the structure's unless given."""
     gamma: _span(Number) | None = None
+    """Range of the acceleration amplitude over g at the damper."""
     force: _span(Force) | None = None
+    """Range of the amplitude of a force at the damper, at resonance."""
     base: _span(Acceleration) | None = None
+    """Range of the acceleration amplitude of the structure's base, at resonance."""
 
     @property
     def over(self) -> str:
@@ -54,6 +59,7 @@ class Interval(Between):
     """Range of a variable; with ``step``, the values from its lower end on."""
 
     step: Quantity | None = None
+    """Distance of the values, from the lower end on; none for a continuous range."""
 
 
 class LimitsConfig(Model):
@@ -64,16 +70,25 @@ class LimitsConfig(Model):
     """
 
     mass: Annotated[Mass, POSITIVE] | None = None
+    """Mass of the particles, at the most."""
     diameter: Annotated[Length, POSITIVE] | None = None
+    """Diameter of the cavity, at the most."""
     height: Annotated[Length, POSITIVE] | None = None
+    """Height of the cavity, at the most."""
     force: Annotated[Force, POSITIVE] | None = None
+    """Amplitude of the particles' force on the structure, at the frequency of the vibration, at the most."""
 
 
 class BudgetConfig(Model):
-    """Where the search ends: cases simulated, or minutes of this command."""
+    """Where the search ends: cases simulated, or minutes of this command.
+
+    Simulating again what it found comes on top.
+    """
 
     cases: Annotated[StrictInt, Field(ge=20)] | None = None
+    """Cases of the search."""
     minutes: Annotated[float, POSITIVE] | None = None
+    """Minutes of this command."""
 
     @model_validator(mode="after")
     def _some(self):
@@ -91,12 +106,19 @@ class DesignConfig(Model):
     """
 
     target: TargetConfig
+    """Performance wanted."""
     variables: Annotated[dict[str, Annotated[list[Scalar], Field(min_length=2)] | Interval], Field(min_length=1)]
+    """Scalars that are chosen, by their paths as in a sweep: ranges, or lists of choices."""
     limits: LimitsConfig = LimitsConfig()
+    """What the damper must not exceed."""
     minimise: Literal["mass", "response"] | None = None
+    """The mass of the particles, or the largest response over the range; mass unless given."""
     maximise: Literal["damping"] | None = None
+    """The least damping over the range, in place of a mass."""
     confidence: Annotated[Number, Field(ge=0.5, lt=1)] = 0.95
+    """Probability of meeting the target that a damper must have to be claimed."""
     budget: BudgetConfig = BudgetConfig(cases=400)
+    """Where the search ends."""
 
     @property
     def goal(self) -> str:

@@ -50,7 +50,7 @@ def relevant(errors, data, root):
     best: dict = {}
     for error in map(lambda error: _decimal_comma(error, data), errors):
         ours = len(error["loc"]) - (error["type"] == "extra_forbidden")  # an unknown key may look like a union's name
-        loc = tuple(part for k, part in enumerate(error["loc"]) if k >= ours or not _is_union_name(part))
+        loc = tuple(part for k, part in enumerate(error["loc"]) if k >= ours or not is_union_name(part))
         loc, message = _pointed(loc, error["msg"].removeprefix("Value error, "), data)
         rank = {"decimal_comma": -1, "list_type": 1, "literal_error": 1}.get(error["type"], 0)
         if loc not in best or rank < best[loc][0]:
@@ -94,7 +94,8 @@ def _pointed(loc, message, data):
     return loc, message
 
 
-def _is_union_name(part) -> bool:
+def is_union_name(part) -> bool:
+    """Whether a part of a pydantic location names a branch of a union, and no key of the file."""
     return isinstance(part, str) and ("[" in part or part in ("float", "int", "list"))
 
 

@@ -22,8 +22,20 @@ class CarriedConfig(Model):
     """Ways through the amplitudes, one after the other; each becomes a value of the dimension ``leg``."""
 
 
+STATES = ("clearance", "packing_fraction")
+"""Keys of the states that a bed can be brought to."""
+
+MAKING = {"materials": None, "contact": None, "excitation": ("gravity", "gravity_direction")}
+"""Sections, and those of their keys (all, if none are named), in which beds may be made with other values than they are
+shaken with: what decides the forces, and not the room that particles and cavity take."""
+
+
 class PreparationConfig(Model):
-    """State that beds are brought to, or the path along which they are carried; one of the three."""
+    """State that beds are brought to, or the path along which they are carried, and what they are made with.
+
+    ``made_with`` has the parts of the configuration, as ``{contact: {friction: 0.86}}``, that differ while a bed is
+    made: studies of friction, or without gravity, then start from the same beds.
+    """
 
     clearance: swept(Length, _positive) | None = None
     """Travel of the bed's centre of mass between rest on the floor and rest against the lid."""
@@ -31,11 +43,22 @@ class PreparationConfig(Model):
     """Volume of the particles over that of the cavity less the clearance."""
     carried: CarriedConfig | None = None
     """Each amplitude starts from the bed that the one before left."""
+    made_with: dict[str, dict[str, Any]] | None = None
+    """Parts of the configuration that differ while a bed is made: of materials, contact, or gravity."""
 
     @model_validator(mode="after")
     def _one(self):
-        if sum(value is not None for value in vars(self).values()) != 1:
+        given = sum(getattr(self, name) is not None for name in (*STATES, "carried"))
+        if given > 1 or (given == 0 and not self.made_with):
             raise ValueError("give one of clearance: 1.8 mm, packing_fraction: 0.54 and carried: {path: [up, down]}")
+        if self.carried and self.made_with:
+            raise ValueError("made_with: is for compacted beds, and carried ones begin loose: leave one of the two out")
+        for section, values in (self.made_with or {}).items():
+            if section not in MAKING:
+                raise ValueError(f"made_with.{section}: is not one of {', '.join(MAKING)}")
+            for key in values:
+                if MAKING[section] and key not in MAKING[section]:
+                    raise ValueError(f"made_with.{section}.{key}: is not one of {', '.join(MAKING[section])}")
         return self
 
 
@@ -51,9 +74,36 @@ def read_preparation(value: Any) -> Word | PreparationConfig:
 
 def state_asked(preparation: Word | PreparationConfig) -> dict[str, Any]:
     """``clearance`` [m] or ``packing_fraction`` that beds are brought to, by name; empty if neither."""
-    if not isinstance(preparation, PreparationConfig) or preparation.carried:
+    if not isinstance(preparation, PreparationConfig):
         return {}
-    return {name: value for name, value in vars(preparation).items() if value is not None}
+    return {name: getattr(preparation, name) for name in STATES if getattr(preparation, name) is not None}
+
+
+def made_with(preparation: Word | PreparationConfig) -> dict[str, dict[str, Any]]:
+    """Parts of the configuration that differ while beds are made; empty if none do."""
+    return (preparation.made_with or {}) if isinstance(preparation, PreparationConfig) else {}
+
+
+def while_made(values: dict[str, Any], preparation: Word | PreparationConfig) -> dict[str, Any]:
+    """Values of a whole configuration, as of ``model_dump``, with those that its beds are made with in their place.
+
+    Raises
+    ------
+    ValueError
+        If ``made_with`` has a list where one value is needed; begins with its key.
+    """
+
+    def merged(own, other, place):
+        if isinstance(other, dict):
+            own = own if isinstance(own, dict) else {}
+            return own | {key: merged(own.get(key), value, f"{place}.{key}") for key, value in other.items()}
+        if isinstance(other, list) and not place.endswith("_direction"):
+            raise ValueError(f"{place}: needs one value, got a list: what is swept stands outside made_with")
+        return other
+
+    asked = state_asked(preparation)
+    kept = {key: value for key, value in values.items() if key not in ("sweep", "coupled", "accuracy")}
+    return merged(kept, made_with(preparation), "preparation.made_with") | {"preparation": asked or "compacted"}
 
 
 def carried_path(preparation: Word | PreparationConfig) -> tuple[str, ...]:
@@ -67,6 +117,8 @@ def preparation_word(preparation: Word | PreparationConfig) -> str:
     """Name of a preparation: loose, compacted, carried, given clearance or given packing fraction."""
     if asked := state_asked(preparation):
         return f"given {next(iter(asked)).replace('_', ' ')}"
+    if made_with(preparation):
+        return "compacted"
     return "carried" if carried_path(preparation) else str(preparation)
 
 
@@ -78,6 +130,8 @@ def check_preparation(preparation: Word | PreparationConfig, dampers: dict[str, 
     ValueError
         Begins with the key to look at.
     """
+    if made_with(preparation):  # the configuration that beds are made with is checked as a whole
+        return
     asked = next(iter(state_asked(preparation)), None)
     key = f"preparation.{asked}" if asked else "preparation"
     if (asked or preparation == "compacted") and 0 in gravities:

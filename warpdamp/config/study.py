@@ -9,6 +9,7 @@ from pydantic import (
     Field,
     PrivateAttr,
     StrictInt,
+    ValidationError,
     field_validator,
     model_validator,
 )
@@ -23,8 +24,16 @@ from .coupled import CoupledConfig
 from .damper import WALLS, ContactConfig, DamperConfig, EffectsConfig, ExcitationConfig, MaterialConfig, between
 from .design import DesignConfig
 from .library import COMMAND, written_out
-from .messages import closest, keys, place, suggestion
-from .preparation import PreparationConfig, Word, carried_path, check_preparation, read_preparation
+from .messages import closest, is_union_name, keys, place, suggestion
+from .preparation import (
+    PreparationConfig,
+    Word,
+    carried_path,
+    check_preparation,
+    made_with,
+    read_preparation,
+    while_made,
+)
 from .quantities import Number, Time
 from .structure import FurtherDamperConfig, StructureConfig, check_further
 from .sweep import SweepConfig
@@ -120,6 +129,7 @@ class Config(Model):
     coupled: CoupledConfig | None = None
     """Runs in which the structure answers, of ``warpdamp coupled``."""
     design: DesignConfig | None = None
+    """Damper that is looked for: `warpdamp design`."""
     """What a damper is to be designed for, of ``warpdamp design``."""
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
@@ -194,9 +204,23 @@ class Config(Model):
                         f"{cavity}.enclosure.{name}: gravity draws the particles out where there is no {name}"
                     )
         check_preparation(self.preparation, cavities, gravities)
+        if made_with(self.preparation):
+            self.while_made()
         if self.steady_state.recipe == "paper" and self.preparation != "loose":
             raise ValueError("steady_state.recipe: the paper's recipe starts from a loose bed; set preparation: loose")
         return self
+
+    def while_made(self) -> Config:
+        """The configuration that beds are made with: this one, but for what ``preparation.made_with`` says."""
+        if not made_with(self.preparation):
+            return self
+        try:
+            return Config.model_validate(while_made(self.model_dump(), self.preparation))
+        except ValidationError as error:
+            first = error.errors()[0]
+            key = ".".join(("preparation.made_with", *(str(part) for part in first["loc"] if not is_union_name(part))))
+            message = first["msg"].removeprefix("Value error, ")
+            raise ValueError(f"{key}: {message[:1].lower()}{message[1:]}") from None
 
     def _check_design(self):
         """One damper, on a structure, is looked for at the structure's modes."""

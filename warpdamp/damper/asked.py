@@ -1,7 +1,8 @@
 """Beds brought to a state asked for, a clearance or a packing fraction, from a loose one.
 
 The loose bed is shaken in the blocks of compaction until it has the clearance asked for, to 0.05 mm: with fewer cycles,
-and then with friction alone, whenever a block leads beyond it; or the nearest of 60 blocks is taken.
+and then with friction alone, whenever a block leads beyond it, each with another Gamma; or the nearest of 60 blocks is
+taken.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import replace
 from ..errors import PackingError
 from ..numerics.timestep import Numerics
 from ..scene.scene import Scene
-from .case import MILDER, MILDEST, MOST_TRIES, REACHED, SHAKING_CYCLES, SHAKING_GAMMA, Packing, Request
+from .case import GOLDEN, MILDEST, MOST_TRIES, REACHED, SHAKING_CYCLES, SHAKING_GAMMA, Packing, Request
 from .compaction import block, measured_clearance, packing_fraction
 from .placement import fill
 from .settling import settle
@@ -52,21 +53,24 @@ def _out_of_reach(scene: Scene, name: str, asked: float, loose: Packing, dense: 
 def _approach(scene: Scene, start: Packing, clearance: float, numerics: Numerics) -> Packing:
     """Shake a bed up to a clearance; the nearest bed that was met.
 
-    Whenever a part of shaking leads beyond the clearance, the next one starts from the bed before, with half the cycles
-    without friction; once none are left, with a milder part with friction, which changes a bed least.
+    Each part starts from the nearest bed below the clearance, and after one that leads beyond it has half the cycles
+    without friction; those with friction alone, which loosen as well, start from the nearest of all.  Each has another
+    Gamma: the same part from the same bed would end in the same bed.
     """
     nearest = below = start
-    cycles, gamma = SHAKING_CYCLES, SHAKING_GAMMA
+    cycles = SHAKING_CYCLES
     for tries in range(1, MOST_TRIES + 1):
-        state = settle(scene, block(scene, below.state, numerics, cycles, gamma), numerics)
+        gamma = MILDEST + (SHAKING_GAMMA - MILDEST) * (tries * GOLDEN % 1)
+        origin = below if cycles else nearest
+        state = settle(scene, block(scene, origin.state, numerics, cycles, gamma), numerics)
         bed = Packing(state, measured_clearance(scene, state, numerics), tries)
         nearest = min(nearest, bed, key=lambda bed: abs(bed.clearance - clearance))
         if abs(nearest.clearance - clearance) <= REACHED:
             return nearest
-        if bed.clearance < clearance:
-            below = bed
-        elif cycles:
+        if bed.clearance > clearance:
             cycles //= 2
-        else:
-            gamma = MILDER * gamma if gamma > MILDEST else SHAKING_GAMMA
+        elif bed.clearance > below.clearance:
+            below = bed
+        elif cycles == 0:
+            cycles = SHAKING_CYCLES // 2
     return replace(nearest, settled=False)

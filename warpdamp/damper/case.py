@@ -34,13 +34,16 @@ REACHED = 5e-5
 MOST_TRIES = 60
 """Blocks of shaking after which a bed that has not the clearance asked for is left as near as it came."""
 
-MILDER, MILDEST = 0.9, 1.5
-"""Part of Gamma that is kept after shaking with friction that led beyond the clearance asked for, and the Gamma below
-which shaking hardly changes a bed."""
+MILDEST = 1.5
+"""Gamma below which shaking hardly changes a bed."""
+
+GOLDEN = 0.618033988749895
+"""Multiples of it, less their whole parts, spread evenly between 0 and 1 without ever coming back: the Gammas by which
+a bed is brought to a clearance."""
 
 RECIPE = (
     *(GROWN, SHAKING_GAMMA, SHAKING_AMPLITUDE, SHAKING_CYCLES, KEEPING_CYCLES),
-    *(PATIENCE, MOST_BLOCKS, STILL, SOFT_OVERLAP, REACHED, MOST_TRIES, MILDER, MILDEST),
+    *(PATIENCE, MOST_BLOCKS, STILL, SOFT_OVERLAP, REACHED, MOST_TRIES, MILDEST, GOLDEN),
 )
 """A part of every bed's key, so that beds made by another recipe are not taken for these."""
 

@@ -22,9 +22,6 @@ from .problem import Design, Problem
 LARGEST_MASS, MOST_ROUNDS, ROUNDED = 1e4, 60, 1e-6
 """Mass [kg] beyond which none is looked for; steps towards the least one, and the relative change that ends them."""
 
-PACKING = 0.55
-"""Packing fraction of a compacted bed before any is simulated (the paper's v_max in eq. 2)."""
-
 NARROW = 0.1
 """Clearance, in diameters of a particle, below which beds do not travel as one body: they differ by half of it."""
 
@@ -149,7 +146,7 @@ def find_bounds(problem: Problem, designs: list[Design]) -> Bounds:
     gamma = gamma_range(problem, design, mass)
     _refuse_force(problem, gamma, amplitude, inherent)
     clearance = np.stack([collision_clearance(gamma[:, k], frequency) for k in (0, 1)], axis=1)
-    free = [d.clearance(PACKING) for d in designs]
+    free = [d.clearance(d.packing) for d in designs]
     available = max(min(free), NARROW * 2 * min(d.radius for d in designs)), max(free)
     motion, why = _motion(problem, gamma, frequency, clearance, available)
     return Bounds(needed[best], gamma, frequency, clearance, available, motion, why)

@@ -15,7 +15,6 @@ from threadpoolctl import threadpool_limits
 
 from ..numerics.process import Process, fit
 from ..scene.scene import STANDARD_GRAVITY
-from .bounds import PACKING
 from .cases import Row
 from .problem import Design, Problem
 
@@ -87,7 +86,7 @@ def emulate(problem: Problem, rows: list[Row]) -> Emulation:
     """
     known = [row for row in rows if row.known]
     packings = [row.packing for row in known if np.isfinite(row.packing)]
-    packing = float(np.median(packings)) if packings else PACKING
+    packing = float(np.median(packings)) if packings else known[0].order.design.packing if known else 0.0
     points = np.array([inputs(row.order.design, row.frequency, row.order.gamma, packing)[0] for row in known])
     if not len(points):
         raise ValueError("no case ended with a result")

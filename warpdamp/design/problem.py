@@ -25,6 +25,10 @@ from ..sweep.reader import Reader
 FIXED = ("excitation", "steady_state", "numerics", "accuracy", "seeds", "effects", "title", "preparation")
 """Sections whose scalars are no part of a damper."""
 
+DENSEST, WALL = 0.60, 0.6
+"""Packing fraction of compacted beds, 0.60 (1 - 0.6 d / D): within 0.02 of those measured between D/d 3.6 and 8
+(docs/bed-states.md)."""
+
 MODE_MASSES = 6
 """Masses of particles at which the modes of a structure are computed; between them they are interpolated."""
 
@@ -100,6 +104,11 @@ class Design:
         """Volume of the particles over the cavity's."""
         volume = float(np.sum(sphere_volume(np.array(grains(self.config).radius))))
         return volume / (math.pi / 4 * self.cavity.diameter**2 * self.cavity.height)
+
+    @property
+    def packing(self) -> float:
+        """Packing fraction that a compacted bed is expected to have: less where the wall is near."""
+        return DENSEST * (1 - WALL * 2 * self.radius / self.cavity.diameter)
 
     def clearance(self, packing: float) -> float:
         """Clearance h = L (1 - v / v_max) [m] (eq. 2), v_max the packing fraction of a compacted bed."""

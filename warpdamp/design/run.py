@@ -20,7 +20,8 @@ from .tolerances import Sensitivity, sensitivity
 from .verify import Verified, cases_needed, verify
 
 ATTEMPTS = 4
-"""Designs that are simulated again, at the most, until one keeps the confidence asked for."""
+"""Designs that are simulated again, at the most, until one keeps the confidence asked for; beyond the budget, if need
+be: without a design that was simulated again there is no answer."""
 
 FRONT = 12
 """Masses, in equal ratios, between which the front has its best design."""
@@ -138,9 +139,8 @@ def _verified(search: Search, say: Callable[[str], None]) -> tuple[Verified, boo
         say(f"least damping {100 * verified.least.least:.3g} %, P {verified.probability:.3f}")
         if wanted is None or verified.probability >= confidence:
             return verified, True, attempt + 1
-        if search.spent():
-            break
-        search.step()  # what was learnt may lead elsewhere
+        if not search.spent():
+            search.step()  # what was learnt may lead elsewhere
     most = max(tried.values(), key=lambda one: one.probability)
     return most, False, len(tried)
 

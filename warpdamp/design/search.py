@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from .assess import Assessment, assess, drives_of
-from .bounds import PACKING, Bounds, find_bounds
+from .bounds import Bounds, find_bounds
 from .cases import Order, Report, Row, run_orders
 from .emulation import Emulation, emulate
 from .problem import Design, Problem
@@ -18,6 +18,9 @@ SAMPLE = 512
 """Designs, of a low-discrepancy set, from which bounds and candidates are taken."""
 FULLEST = 0.97
 """Fill, over the packing fraction of a compacted bed, up to which designs are taken: beyond, nothing moves."""
+CLEARLY, ALIKE = 0.98, 0.1
+"""Part of the fill of a bed that could not be made, up to which others are tried; difference of particles across, in
+ratio, within which that counts."""
 FIRST_DRIVES, NEXT_DRIVES = 4, 3
 """Drives of a design at the start, and each time that it is chosen again."""
 BATCH = 4
@@ -67,7 +70,7 @@ class Search:
         found, seen = [], set()
         for part in unit:
             design = self.problem.make(part)
-            if design is not None and design.key not in seen and design.fill <= FULLEST * PACKING:
+            if design is not None and design.key not in seen and design.fill <= FULLEST * design.packing:
                 seen.add(design.key)
                 found.append(design)
         return found
@@ -128,13 +131,22 @@ class Search:
     def assess_all(self) -> Emulation:
         """Assess the sample and candidates near its best; returns the emulator."""
         emulation = emulate(self.problem, self.rows)
-        allowed = [d for d in self.sample if d.mass >= self.bounds.least_mass]
+        allowed = [d for d in self.sample if d.mass >= self.bounds.least_mass and self._packs(d)]
         first = self._allowed(assess(emulation, allowed, self.masses))
         near = self._near(sorted(first, key=self._rank)[:KEPT], {d.key for d in self.sample})
         second = self._allowed(assess(emulation, near, self.masses))
         self.sample += near
         self.assessed = sorted([*first, *second], key=self._rank)
         return emulation
+
+    def _packs(self, design: Design) -> bool:
+        """Whether no bed as full failed, in a cavity of about as many particles across."""
+        across = design.cavity.diameter / design.radius
+        failed = {row.order.design.key: row.order.design for row in self.rows if not row.known}
+        return not any(
+            design.fill > CLEARLY * other.fill and abs(across * other.radius / other.cavity.diameter - 1) < ALIKE
+            for other in failed.values()
+        )
 
     def _allowed(self, found: list[Assessment]) -> list[Assessment]:
         limit = self.problem.design.limits.force
@@ -148,9 +160,10 @@ class Search:
             for k in range(LOCAL):
                 part = np.clip(centre + SPREADS[k % 2] * rng.standard_normal(len(centre)), 0.0, 1 - 1e-9)
                 design = self.problem.make(part)
-                if design and design.key not in seen and design.fill <= FULLEST * PACKING:
+                if design and design.key not in seen and design.fill <= FULLEST * design.packing:
                     seen.add(design.key)
-                    if design.mass >= self.bounds.least_mass and self.problem.light_enough(design):
+                    fits = self.problem.light_enough(design) and self._packs(design)
+                    if design.mass >= self.bounds.least_mass and fits:
                         found.append(design)
         return found
 

@@ -63,7 +63,7 @@ class Probe:
     def _look(self) -> int:
         """Fill the arrays with what is there now; returns the number of pairs listed."""
         b = self._batch
-        inputs = [b._constants, b._group, b._particles, b._contacts]
+        inputs = [b._constants, b._group, b._particles, self._copied(b._contacts)]
         listed = len(b._contacts.owner)
         if listed > len(self._pair_lost):
             self._pair_force, self._pair_lost = self._outputs(2 * listed)
@@ -71,6 +71,16 @@ class Probe:
         if b.effects.enclosure:
             wp.launch(self._walls, WALLS * self._count, [*inputs, self._wall_force, self._wall_lost], device=b._device)
         return listed
+
+    def _copied(self, contacts):
+        """The contacts, with histories of their own where looking would write to them."""
+        if not self._batch.effects.spheroids:
+            return contacts
+        copy = self._batch._types.Contacts()
+        for name in self._batch._types.Contacts.vars:
+            value = getattr(contacts, name)
+            setattr(copy, name, wp.clone(value) if name in ("pair", "wall") else value)
+        return copy
 
     def lost(self) -> np.ndarray:
         """Energy that each particle loses in the step that follows, (n,) [J]."""

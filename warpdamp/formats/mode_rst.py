@@ -20,6 +20,7 @@ from .optional import needs
 from .uff_geometry import UNITS
 
 SUFFIXES = (".rst",)
+LIBRARY = "ansys.mapdl.reader"
 MODAL = 2
 """Ansys's code of a modal analysis (ANTYPE)."""
 REMEDY = "put the .full file of the run beside it, or give modal_mass, that of the shapes as they are: 1 kg by default"
@@ -44,11 +45,11 @@ def read_rst(path, *, modal_mass=None, units=None) -> Modes:
         or if the shapes are not orthogonal with respect to the mass matrix.
     """
     path = Path(path)
-    needs("ansys.mapdl.reader", "result files of Ansys", "ansys")
+    needs(LIBRARY, "result files of Ansys", "ansys")
     if units is None:
         raise ModalError(f"{path} does not say its units: give units, one of {', '.join(UNITS)}")
     length, force = UNITS[units]
-    label, point, frequency, shape = apart(results, path)
+    label, point, frequency, shape = apart(results, path, LIBRARY)
     number, full = np.arange(1, len(frequency) + 1), path.with_suffix(".full")
     remark = UNCHECKED
     if full.is_file():
@@ -116,7 +117,7 @@ def mass_matrix(file: Path):
 
 def _products(file: Path, label: np.ndarray, shape: np.ndarray) -> np.ndarray:
     """(m, m) products phi^T M phi with the mass matrix of a .full file, whose upper triangle is kept."""
-    freedom, mass = apart(mass_matrix, file)
+    freedom, mass = apart(mass_matrix, file, LIBRARY)
     row = {node: k for k, node in enumerate(label)}
     if any(node not in row or axis > 2 for node, axis in freedom):
         raise ModalError(f"{file} has degrees of freedom that the results lack: is it of the same run?")

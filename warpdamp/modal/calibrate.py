@@ -10,10 +10,13 @@ It is taken at points of a low-discrepancy set, with their weights: no chain has
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
+from threadpoolctl import threadpool_limits
 
 from ..analysis.emulator import Emulator
 from ..errors import UsageError
@@ -22,7 +25,8 @@ from .apparent_mass import require_modes
 from .damping import damping_of_effectiveness
 from .measured import Measured
 
-POINTS = 4096
+POINTS = 2048
+CHUNK = 256
 REGION = 0.95
 
 
@@ -86,7 +90,13 @@ class Posterior:
         return bool(self.model(np.asarray(values, float)) >= self.threshold)
 
 
-def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None = None) -> Posterior:
+def calibrate(
+    dataset: xr.Dataset,
+    measured: Measured,
+    emulator: Emulator | None = None,
+    *,
+    known: Mapping[str, float] = MappingProxyType({}),
+) -> Posterior:
     """Posterior of the scalars that results were swept over.
 
     Parameters
@@ -97,6 +107,8 @@ def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None
         Damping ratios with their standard errors.
     emulator : Emulator, optional
         Of the results (default: made here).
+    known : mapping, optional
+        Values of swept scalars that are known, by name: the others are calibrated.
 
     Raises
     ------
@@ -107,7 +119,8 @@ def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None
 
     require_modes(dataset)
     emulator = emulator or Emulator(dataset)
-    scalars = [axis for axis in emulator.inputs if axis.name not in ("frequency", "gamma") and axis.low < axis.high]
+    swept = [axis for axis in emulator.inputs if axis.name not in ("frequency", "gamma") and axis.low < axis.high]
+    scalars = [axis for axis in swept if axis.name not in known]
     if not scalars:
         raise UsageError("nothing to calibrate: the results were swept over nothing, as contact.friction: [0.2, 0.5]")
     mass = np.unique(dataset["particle_mass"].values)
@@ -121,25 +134,31 @@ def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None
     per_effect = damping_of_effectiveness(1.0, float(mass[0]), modes["mode_amplitude"])
     low, high = (np.array([getattr(axis, end) for axis in scalars]) for end in ("low", "high"))
     points = low + (high - low) * qmc.Sobol(len(scalars), seed=np.random.default_rng(5)).random(POINTS)
-    inputs = _inputs(emulator, scalars, modes["natural_frequency"], measured.gamma[used])
+    inputs = _inputs(emulator, scalars, dict(known), modes["natural_frequency"], measured.gamma[used])
 
-    def predicted(theta):
-        mean, covariance = emulator.process.joint(inputs(theta))
-        scatter = emulator.process.scatter(inputs(theta))
+    def predicted(thetas):
+        """Damping (k, p) at the measured points, and its covariances (k, p, p), of scalars (k, d)."""
+        at = np.array([inputs(theta) for theta in thetas])
+        mean, covariance = emulator.process.joints(at)
+        scatter = emulator.process.scatter(at.reshape(-1, at.shape[-1])).reshape(mean.shape)
         effect = per_effect * np.exp(mean)
-        own = (effect**2) * (scatter**2 + LOOSE_MEMORY**2)
-        return effect + modes["inherent_damping"], np.outer(effect, effect) * covariance + np.diag(own)
+        own = effect**2 * (scatter**2 + LOOSE_MEMORY**2)
+        covariance = effect[:, :, None] * effect[:, None, :] * covariance + own[:, :, None] * np.eye(len(value))
+        return effect + modes["inherent_damping"], covariance
 
-    def model(theta):
-        zeta, covariance = predicted(theta)
+    def likelihoods(thetas):
+        """Logarithms of the likelihood (k,), and damping (k, p), of scalars (k, d)."""
+        zeta, covariance = predicted(thetas)
         lower = np.linalg.cholesky(covariance + np.diag(error**2))
-        white = np.linalg.solve(lower, value - zeta)
-        return float(-0.5 * white @ white - np.sum(np.log(np.diag(lower))))
+        white = np.linalg.solve(lower, (value - zeta)[:, :, None])[:, :, 0]
+        spread = np.sum(np.log(np.diagonal(lower, axis1=1, axis2=2)), axis=1)
+        return -0.5 * np.sum(white**2, axis=1) - spread, zeta
 
-    likelihood = np.array([model(theta) for theta in points])
+    with threadpool_limits(1):
+        parts = [likelihoods(points[k : k + CHUNK]) for k in range(0, POINTS, CHUNK)]
+    likelihood, every = (np.concatenate(part) for part in zip(*parts, strict=True))
     weights = np.exp(likelihood - likelihood.max())
     weights /= weights.sum()
-    every = np.array([predicted(theta)[0] for theta in points])
     mean = weights @ every
     return Posterior(
         [axis.name for axis in scalars],
@@ -149,7 +168,7 @@ def calibrate(dataset: xr.Dataset, measured: Measured, emulator: Emulator | None
         mean,
         np.sqrt(weights @ (every - mean) ** 2),
         np.std(every, axis=0),
-        model,
+        lambda theta: float(likelihoods(theta[None])[0][0]),
     )
 
 
@@ -163,11 +182,12 @@ def _of_modes(dataset: xr.Dataset, numbers: np.ndarray) -> dict[str, np.ndarray]
     return found
 
 
-def _inputs(emulator: Emulator, scalars, frequency: np.ndarray, gamma: np.ndarray):
+def _inputs(emulator: Emulator, scalars, known: dict, frequency: np.ndarray, gamma: np.ndarray):
     """Function of the scalars' values (d,) that gives points (p, inputs) of the emulator's process."""
 
     def at(theta) -> np.ndarray:
         values = {axis.name: np.full(len(gamma), x) for axis, x in zip(scalars, theta, strict=True)}
+        values |= {name: np.full(len(gamma), x) for name, x in known.items()}
         values |= {"frequency": frequency, "gamma": gamma}
         fixed = {axis.name: np.full(len(gamma), axis.low) for axis in emulator.inputs if axis.name not in values}
         return emulator.points(np.stack([(values | fixed)[name] for name in emulator.names], axis=1))

@@ -22,7 +22,7 @@ NEIGHBOURS = 25
 ROUNDS = 2
 """Times that widths and scatter are fitted in turn."""
 LEAST_SCATTER = 0.02
-"""Scatter, over the spread of all values, that is assumed at the least."""
+"""Scatter, over the standard deviation of f, that is assumed at the least."""
 NARROWEST, WIDEST = 0.1, 30.0
 """Bounds of the widths, in standard deviations of the points along each axis."""
 
@@ -85,7 +85,7 @@ class Process:
         """Standard deviation by which points at (m, d) differ beyond their errors, (m,)."""
         near = self._tree.query(x / self.widths, k=min(NEIGHBOURS, len(self.y)))[1]
         near = near.reshape(len(x), -1)
-        return np.sqrt(np.maximum(self.misses[near].mean(axis=1), (LEAST_SCATTER * np.std(self.y)) ** 2))
+        return np.sqrt(np.maximum(self.misses[near].mean(axis=1), (LEAST_SCATTER * self.size) ** 2))
 
     def predict(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Mean and standard deviation of f at points (m, d), each (m,): of f itself, without scatter."""

@@ -73,13 +73,35 @@ def maxima_of_packings(gamma, height, standard_error) -> list[Maximum]:
     list of Maximum
         Of one packing those of ``maxima``.
     """
+    return [widened(top, without) for top, without in packings_left_out(gamma, height, standard_error)]
+
+
+def packings_left_out(gamma, height, standard_error) -> list[tuple[Maximum, list[Maximum | None]]]:
+    """Maxima of a curve measured on several packings, each with the same one of the curves without one packing.
+
+    Parameters
+    ----------
+    gamma : (n,) array
+        Amplitudes.
+    height, standard_error : (n, packings) arrays
+        Curves, NaN where a packing was not run, and what each point is known to.
+
+    Returns
+    -------
+    list of (Maximum, list of Maximum or None)
+        One for each packing, left out: None where that curve has no such maximum, or the packing was not run; of one
+        packing the list is empty.
+    """
     gamma, height, error = (np.asarray(a, float) for a in (gamma, height, standard_error))
     tops = maxima(np.broadcast_to(gamma[:, None], height.shape), height, error)
-    packings = np.flatnonzero(np.isfinite(height).any(axis=0))
-    if not tops or len(packings) < 2:
-        return tops
-    without = [_maxima_of_mean(gamma, np.delete(height, k, 1), np.delete(error, k, 1)) for k in packings]
-    return [_widened(top, [_same(top, tops, others) for others in without]) for top in tops]
+    ran = np.isfinite(height).any(axis=0)
+    if not tops or ran.sum() < 2:
+        return [(top, []) for top in tops]
+    without = [
+        _maxima_of_mean(gamma, np.delete(height, k, 1), np.delete(error, k, 1)) if ran[k] else []
+        for k in range(len(ran))
+    ]
+    return [(top, [_same(top, tops, others) for others in without]) for top in tops]
 
 
 def _maxima_of_mean(gamma, height, error) -> list[Maximum]:
@@ -95,7 +117,7 @@ def _same(top: Maximum, tops: list[Maximum], others: list[Maximum]) -> Maximum |
     return nearest if nearest and min(tops, key=lambda own: abs(own.gamma - nearest.gamma)) is top else None
 
 
-def _widened(top: Maximum, without: list[Maximum | None]) -> Maximum:
+def widened(top: Maximum, without: list[Maximum | None]) -> Maximum:
     """A maximum with the jackknife's standard errors where they are larger."""
     from scipy.stats import norm, t
 
@@ -159,8 +181,16 @@ def _maxima(gamma, mean, spread, draws) -> list[Maximum]:
         heights = draws[np.flatnonzero(inside), at[inside]]
         step = gamma[min(k + 1, len(gamma) - 1)] - gamma[k]  # the fine grid's own uncertainty
         error = math.hypot(float(np.std(where)), step / math.sqrt(12))
-        result.append(Maximum(float(gamma[k]), error, float(mean[k]), float(np.std(heights)), float(inside.mean())))
+        top, height = _vertex(np.sqrt(gamma[k - 1 : k + 2]), mean[k - 1 : k + 2])
+        result.append(Maximum(top**2, error, height, float(np.std(heights)), float(inside.mean())))
     return result
+
+
+def _vertex(x, y) -> tuple[float, float]:
+    """Top of the parabola through three points, evenly spaced, of which the middle one is the highest."""
+    below, above = y[1] - y[0], y[1] - y[2]
+    part = 0.5 * (below - above) / (below + above)
+    return float(x[1] + part * (x[2] - x[1])), float(y[1] + 0.25 * (below - above) * part)
 
 
 def _around(k: int, first: int, last: int, mean, spread) -> tuple[int, int]:

@@ -97,20 +97,5 @@ class Film:
 
 def spheroids(frame: Frame) -> tuple[np.ndarray, np.ndarray] | None:
     """Axis (n, 3) and aspect (n,) of the particles of a frame; None if all are spheres."""
-    aspect = getattr(frame.state, "aspect", None)
-    if aspect is None or not len(aspect) or np.all(np.asarray(aspect) == 1):
-        return None
-    return np.asarray(frame.state.axis, float), np.asarray(aspect, float)
-
-
-def semi_axes(radius: np.ndarray, aspect: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Semi-axes along and across the axis of spheroids of equal volume, r aspect^(2/3) and r aspect^(-1/3) [m].
-
-    Parameters
-    ----------
-    radius : (n,) array
-        r of the sphere of the same volume [m].
-    aspect : (n,) array
-        Length over width [-].
-    """
-    return radius * aspect ** (2 / 3), radius * aspect ** (-1 / 3)
+    state = frame.state
+    return None if np.all(state.aspect == 1) else (state.axis, state.aspect)

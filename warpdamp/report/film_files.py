@@ -8,7 +8,8 @@ import numpy as np
 
 from ..errors import MissingLibrary
 from ..files import whole_file
-from .film import Film, semi_axes, spheroids
+from ..scene.shape import semi_axes
+from .film import Film, spheroids
 
 EXTXYZ = {
     "pos": 3,

@@ -9,7 +9,8 @@ import numpy as np
 
 from ..errors import MissingLibrary, SimulationError
 from ..files import whole_file
-from .film import QUANTITIES, Film, semi_axes, spheroids
+from ..scene.shape import semi_axes
+from .film import QUANTITIES, Film, spheroids
 from .film_page import COLOURMAP
 
 TURN, TILT = 0.6, 0.25

@@ -170,7 +170,7 @@ class State:
         -------
         dict of (n,) arrays
             ``inverse_mass`` [1/kg]; of spheres ``inverse_inertia`` [1/(kg m^2)]; of spheroids ``across2`` b^2,
-            ``excess`` a^2 - b^2 [m^2], ``reach`` max(a, b), ``tilt`` |a - b|, ``flattest`` max(a, b)^2 / min(a, b)
+            ``excess`` a^2 - b^2 [m^2], ``reach`` max(a, b), ``tilt`` ``|a - b|``, ``flattest`` max(a, b)^2 / min(a, b)
             [m], ``inverse_transverse`` 1 / I_t, ``inverse_axial`` 1 / I_a [1/(kg m^2)], and ``half_momentum``
             (n, 3) [kg m^2/s].
         """

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..analysis.accuracy import REFERENCE
-from ..config.preparation import carried_path, preparation_word, state_asked
+from ..config.preparation import PreparationConfig, preparation_word
 from ..damper.case import Request, Spec
 from ..damper.preparation import prepare
 from ..engine.batch import SKIN, Batch, Case
@@ -181,7 +181,7 @@ def points_of(config: Config, most: int = 6) -> list[Spec]:
     ConfigError
         If beds are to be carried, or brought to a state: the study prepares them in ways of its own.
     """
-    if carried_path(config.preparation) or state_asked(config.preparation):
+    if isinstance(config.preparation, PreparationConfig) or config.preparation == "carried":
         said = f"is '{preparation_word(config.preparation)}', and a study of accuracy takes loose and compacted beds"
         raise config.error("preparation", f"{said}: name one of the two")
     specs = list(Cases(config).specs())

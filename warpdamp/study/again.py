@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import tempfile
 from collections.abc import Callable
@@ -123,7 +122,7 @@ def again(
     cases = Cases(with_tolerance(self_contained(config)))
     numbers = candidates(cases, choice)
     number = only(cases, numbers) if dataset is None else _most_effective(cases, dataset, numbers)
-    chain, criteria = _chain(cases, number)
+    chain, criteria = chain_of(cases, number)
     values = _simulated(chain, criteria) if dataset is None else [_stored(cases, dataset, n) for n, _ in chain]
     for (n, _), own in zip(chain, values, strict=True):
         _refuse_failed(label(cases, n), own)
@@ -172,7 +171,7 @@ def physics_of(dataset: xr.Dataset) -> int | None:
     return int(found[1]) if found else None
 
 
-def _chain(cases: Cases, number: int) -> tuple[list[tuple[int, Spec]], Criteria]:
+def chain_of(cases: Cases, number: int) -> tuple[list[tuple[int, Spec]], Criteria]:
     """The case and those before it that its bed was carried through, with their numbers; and its criteria."""
     plan = make_plan(cases)
     if not plan.keys[number]:
@@ -211,9 +210,14 @@ def _stored(cases: Cases, dataset: xr.Dataset, number: int) -> dict:
 
 def _most_effective(cases: Cases, dataset: xr.Dataset, numbers: np.ndarray) -> int:
     """Number of the case of largest effectiveness among some that did not fail; the first, if none has any."""
-    stored = [_stored(cases, dataset, int(n)) for n in numbers]
-    value = [math.nan if _failed(own) else own.get("effectiveness", math.nan) for own in stored]
-    return int(numbers[int(np.argmax(np.nan_to_num(value, nan=-1.0)))])
+    status, effectiveness = dataset["status"], dataset["effectiveness"].transpose(*dataset["status"].dims)
+    value = np.full(len(numbers), -1.0)
+    for k, number in enumerate(numbers):
+        place = _position(cases, dataset, int(number))
+        at = tuple(place[str(dim)] for dim in status.dims) if place else None
+        if at and not _failed({"status": status.values[at]}):
+            value[k] = np.nan_to_num(effectiveness.values[at], nan=-1.0)
+    return int(numbers[int(np.argmax(value))])
 
 
 def _failed(values: dict) -> bool:

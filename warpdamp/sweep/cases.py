@@ -35,6 +35,7 @@ from .reader import read_axes
 
 if TYPE_CHECKING:
     from ..modes import Modes
+    from ..scene.scene import Scene
 
 CHOSEN = {
     ("numerics", "steps_per_contact"),
@@ -211,8 +212,8 @@ class Cases:
         i, j, k = position
         config = point.config
         frequency, gamma, seed = self.drive_at(point, position)
-        request = self._bed(config, point.index, seed)
-        driven = request.scene.driven(drive(config, frequency, gamma))
+        request, own = self._bed(config, point.index, seed)
+        driven = own.driven(drive(config, frequency, gamma))
         index = (i, j, *point.index, k)
         return Spec(index, driven, steps_of(config, driven, request.grains), request), criteria_of(config, frequency)
 
@@ -229,18 +230,20 @@ class Cases:
         i, j, k = position
         return point.frequencies[i], as_list(point.config.excitation.gamma)[j], point.config.seeds[k]
 
-    def _bed(self, config: Config, index, seed: int) -> Request:
+    def _bed(self, config: Config, index, seed: int) -> tuple[Request, Scene]:
+        """Bed of a point, and the scene that it is shaken in: another one than it was made in, if so asked."""
         if (index, seed) not in self._beds:
             if len(self._beds) > KEPT_POINTS:
                 self._beds.clear()
-            self._beds[index, seed] = Request(
-                scene=scene(config),
+            request = Request(
+                scene=scene(config.while_made()),
                 grains=grains(config),
                 seed=seed,
                 settling_time=PAPER_SETTLING if config.steady_state.recipe == "paper" else None,
                 numerics=numerics_of(config),
                 **bed(config),
             )
+            self._beds[index, seed] = request, scene(config)
         return self._beds[index, seed]
 
 

@@ -45,7 +45,9 @@ def identity(spec: Spec, criteria: Criteria, bed: str) -> dict:
     rest = {f.name: getattr(spec, f.name) for f in fields(spec) if f.name not in ("index", "scene", "bed")}
     drive = asdict(spec.scene.drive)
     versions = {"physics": PHYSICS_VERSION, "results": RESULTS_VERSION}
-    return {**versions, "bed": bed, "drive": drive, "criteria": asdict(criteria), **rest}
+    at_rest = spec.scene.driven(None)
+    other = {} if at_rest == spec.bed.scene.driven(None) else {"scene": asdict(at_rest)}  # than beds are made in
+    return {**versions, "bed": bed, "drive": drive, "criteria": asdict(criteria), **rest, **other}
 
 
 def key(identity: dict, before: list[dict] = []) -> bytes:  # noqa: B006 - not changed

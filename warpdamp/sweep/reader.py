@@ -54,7 +54,7 @@ class Reader:
     def __init__(self, config: Config):
         self.config = config
         self.base = tree(config)
-        self.scalars = dict(leaves(self.base))
+        self.scalars = {path: value for path, value in leaves(self.base) if path[:2] != ("preparation", "made_with")}
         self.taken: dict[Path, tuple] = {}
 
     def condition(self, key: str, condition, place) -> tuple[Path, object]:

@@ -1,0 +1,322 @@
+"""Every statement of the paper's sections 4.1 to 4.4, in other words, and what the studies say of it."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from parameters_data import FAST, SLOW, effects, nearest, results, shares
+from shared import DOCS
+
+from warpdamp.numerics.regression import straight_line
+
+HOLDS, IN_PART, NOT, OPEN, UNDECIDED = "holds", "holds in part", "does not hold", "not run", "undecided"
+FLUIDISED, COLLIDED = 1.7, 6.0
+"""Gammas near the optima of fluidisation at 280 Hz and of collision at 39.5 Hz, in the paper's damper."""
+
+NAMES = {
+    "gamma_fluidisation": "Γ_f", "effectiveness_fluidisation": "ε_f",
+    "gamma_collision": "Γ_c", "effectiveness_collision": "ε_c",
+}  # fmt: skip
+
+
+def percent(value: float, low: float, high: float) -> str:
+    """A relative change with its interval."""
+    return f"{100 * value:+.1f} % ({100 * low:+.1f} to {100 * high:+.1f})"
+
+
+def cell(study: str, key: str, response: str):
+    """One response of a study at the frequency where its optimum stands alone; None if it was not run."""
+    found = effects(study, key)
+    return None if found is None else found.sel(response=response, frequency=FAST if "fluid" in response else SLOW)
+
+
+def said(study: str, key: str, response: str) -> tuple[str, str]:
+    """Verdict of a cell, and its number over the whole range."""
+    at = cell(study, key, response)
+    if at is None:
+        return "", ""
+    verdict = str(at["verdict"].item())
+    if not np.isfinite(at["change"]):
+        return verdict, f"{NAMES[response]} {verdict}"
+    ends = (float(at[f"change{end}"]) for end in ("", "_low", "_high"))
+    return verdict, f"{NAMES[response]} {verdict}, {percent(*ends)} over the range"
+
+
+def every(study: str, key: str, *wanted: tuple[str, str]) -> tuple[str, str]:
+    """Whether all, some or none of several cells are as a statement has them."""
+    found = [(said(study, key, response), verdict) for response, verdict in wanted]
+    if not all(verdict for (verdict, _), _ in found):
+        return OPEN, ""
+    right = [verdict == expected for (verdict, _), expected in found]
+    unknown = all(one or verdict == "undecided" for one, ((verdict, _), _) in zip(right, found, strict=True))
+    state = HOLDS if all(right) else UNDECIDED if unknown else IN_PART if any(right) else NOT
+    return state, "; ".join(words for (_, words), _ in found)
+
+
+def curves(study: str, key: str, where) -> list[tuple[float, float, float, float, float]]:
+    """Effects on the curve at amplitudes that ``where(frequency, gamma)`` takes: (f, Gamma, effect, low, high)."""
+    found = effects(study, key)
+    rows = []
+    for f in found["frequency"].values:
+        for gamma in found["gamma"].values:
+            ends = [float(found[f"curve_effect{e}"].sel(frequency=f, gamma=gamma)) for e in ("", "_low", "_high")]
+            if where(f, gamma) and np.isfinite(ends).all():
+                rows.append((float(f), float(gamma), *ends))
+    return rows
+
+
+def proportional() -> tuple[str, str]:
+    """Damping over the particles' mass: the exponent is one plus that of the effectiveness."""
+    if effects("density", "density") is None:
+        return OPEN, ""
+    rows = [row for row in curves("density", "density", lambda f, gamma: gamma >= 1.4)]
+    exponents = {f: [1 + np.log2(1 + r[2]) for r in rows if r[0] == f] for f in sorted({r[0] for r in rows})}
+    off = sum(not r[3] <= 0 <= r[4] for r in rows)
+    words = "; ".join(f"{f:g} Hz {np.mean(v):.3f} (Γ by Γ {min(v):.3f} to {max(v):.3f})" for f, v in exponents.items())
+    near = max(abs(np.mean(v) - 1) for v in exponents.values()) < 0.02
+    return (
+        HOLDS if near else IN_PART,
+        f"exponent of the damping over the density from Γ 1.4 on: {words}; {off} of {len(rows)} intervals leave out 1",
+    )
+
+
+def alike_when_stiff() -> tuple[str, str]:
+    """The two highest moduli against each other, and the two lowest."""
+    found = effects("modulus", "youngs_modulus")
+    if found is None:
+        return OPEN, ""
+    words, right = [], []
+    for response, f in (("gamma_fluidisation", FAST), ("gamma_collision", SLOW)):
+        level = found["level"].sel(response=response, frequency=f).values
+        soft, stiff = level[1] / level[0] - 1, level[-1] / level[-2] - 1
+        if np.isfinite([soft, stiff]).all():
+            right.append(abs(stiff) < abs(soft))
+            times = found["youngs_modulus"].values / 3.3e9
+            change = f"{100 * soft:+.0f} % from x{times[0]:g} to x{times[1]:g}, "
+            change += f"{100 * stiff:+.0f} % from x{times[-2]:g} to x{times[-1]:g}"
+            words.append(f"{NAMES[response]} {change}")
+    return (HOLDS if right and all(right) else IN_PART if any(right) else NOT), "; ".join(words)
+
+
+def share_over(study: str, key: str, kind: str, frequency: float, gamma: float) -> str:
+    """Part of a mechanism at the lowest and the highest level, and the effectiveness there."""
+    at = nearest(results(study), frequency, gamma).sortby(key)
+    part, eps = shares(at)[kind], at["effectiveness"].mean("seed")
+    return ", ".join(
+        f"{float(part.isel({part.dims[0]: k})):.2f} of ε {float(eps.isel({part.dims[0]: k})):.3f}" for k in (0, -1)
+    )
+
+
+def dashpots_when_soft() -> tuple[str, str]:
+    """Whether dashpots take more where the modulus is low."""
+    if results("modulus") is None:
+        return OPEN, ""
+    words, right = [], []
+    for f, gamma in ((FAST, FLUIDISED), (SLOW, COLLIDED)):
+        at = nearest(results("modulus"), f, gamma).sortby("youngs_modulus")
+        lost = (shares(at)["dashpots"] * at["effectiveness"].mean("seed")).values
+        right.append(lost[0] > lost[-1])
+        ends = at["youngs_modulus"].values[[0, -1]] / 3.3e9
+        where = f"{f:g} Hz, Γ {float(at['gamma']):g}"
+        words.append(f"{where}: dashpots {lost[0]:.3f} at x{ends[0]:g}, {lost[-1]:.3f} at x{ends[1]:g}")
+    return (HOLDS if all(right) else IN_PART if any(right) else NOT), "; ".join(
+        words
+    ) + " (in parts of the ideal damper)"
+
+
+def friction_is_chief(study: str = "restitution", key: str = "restitution") -> tuple[str, str]:
+    """Part of friction in the loss at the optimum of collision, in the paper's damper."""
+    if results(study) is None:
+        return OPEN, ""
+    at = nearest(results(study), SLOW, COLLIDED).sortby(key)
+    part = shares(at)
+    reference = {"restitution": 0.52, "friction": 0.86}[key]
+    own = {kind: float(values.sel({key: reference})) for kind, values in part.items()}
+    words = (
+        f"39.5 Hz, Γ {float(at['gamma']):g}: friction {own['friction']:.2f}, dashpots {own['dashpots']:.2f} of the loss"
+    )
+    return (HOLDS if own["friction"] > 0.5 else NOT), words
+
+
+def more_friction_by_restitution() -> tuple[str, str]:
+    """Whether the loss by friction rises with the restitution at the optimum of collision."""
+    if results("restitution") is None:
+        return OPEN, ""
+    at = nearest(results("restitution"), SLOW, COLLIDED).sortby("restitution")
+    eps = at["effectiveness"].mean("seed")
+    part = shares(at)
+    friction, dashpots = ((part[kind] * eps).values for kind in ("friction", "dashpots"))
+    words = "; ".join(
+        f"e {e:g}: friction {a:.3f}, dashpots {b:.3f}"
+        for e, a, b in zip(at["restitution"].values, friction, dashpots, strict=True)
+    )
+    return (HOLDS if friction[-1] > friction[0] else NOT), words + " (in parts of the ideal damper)"
+
+
+def friction_towards_convection() -> tuple[str, str]:
+    """Effect of friction above the optimum of fluidisation, where no lid is met."""
+    if effects("friction", "friction") is None:
+        return OPEN, ""
+    rows = curves("friction", "friction", lambda f, gamma: (f > 100 and gamma >= 2) or (f < 100 and gamma >= 8))
+    up = [row for row in rows if row[3] > 0]
+    down = [row for row in rows if row[4] < 0]
+    words = ", ".join(f"{f:g} Hz Γ {g:g}: {percent(e, low, high)}" for f, g, e, low, high in rows)
+    state = HOLDS if len(up) == len(rows) else NOT if not up else IN_PART
+    return state, f"{len(up)} of {len(rows)} higher, {len(down)} lower, over the range: {words}"
+
+
+def friction_at_collision() -> tuple[str, str]:
+    """Levels of the height of collision over friction."""
+    found = effects("friction", "friction")
+    if found is None:
+        return OPEN, ""
+    level = found["level"].sel(response="effectiveness_collision", frequency=SLOW)
+    at = nearest(results("friction"), SLOW, COLLIDED).sortby("friction")["effectiveness"].mean("seed")
+    shown = ", ".join(f"{mu:g}: {value:.3f}" for mu, value in zip(level["friction"].values, level.values, strict=True))
+    fixed = ", ".join(f"{mu:g}: {value:.3f}" for mu, value in zip(at["friction"].values, at.values, strict=True))
+    low, high = at.values[0] < at.sel(friction=0.86), at.values[-1] > at.sel(friction=0.86)
+    words = f"ε_c by friction {shown}; ε at Γ {float(at['gamma']):g} {fixed}"
+    return (HOLDS if low and high else IN_PART if low or high else NOT), words
+
+
+def fluidisation_line() -> tuple[str, str]:
+    """Line of the optimum of fluidisation over the frequency, beside 3 - 0.0037 f."""
+    found = effects("frequency", "frequency")
+    if found is None:
+        return OPEN, ""
+    level, error = (found[n].sel(response="gamma_fluidisation") for n in ("level", "level_standard_error"))
+    line = straight_line(found["frequency"].values, level.values, error.values)
+    words = (
+        f"Γ_f = ({line.intercept:.2f} ± {line.intercept_standard_error:.2f}) + ({line.slope:.4f} ± "
+        f"{line.slope_standard_error:.4f}) f, chi^2 {line.scatter:.1f} per degree of freedom, "
+        f"{int(np.isfinite(level).sum())} of {level.size} frequencies have one; the paper's: 3 − 0.0037 f"
+    )
+    near = abs(line.slope + 0.0037) < 3 * line.slope_standard_error and abs(line.intercept - 3) < 0.5
+    return (HOLDS if near else IN_PART if line.slope < 0 else NOT), words
+
+
+def collision_line() -> tuple[str, str]:
+    """Line of the optimum of collision over f^2, from docs/gamma_c.md."""
+    path = DOCS / "gamma_c.md"
+    found = re.search(r"\*\*Gamma_c = \(([\d.]+) ± ([\d.]+)\) f\^2 \+ \(([-\d.]+) ± ([\d.]+)\)\*\*", path.read_text())
+    if not found:
+        return OPEN, ""
+    slope, error, intercept, other = map(float, found.groups())
+    words = (
+        f"Γ_c = ({slope:.5f} ± {error:.5f}) f^2 + ({intercept:.2f} ± {other:.2f}), straight; the paper's slope: 0.0029"
+    )
+    return (HOLDS if abs(slope - 0.0029) < 3 * error else IN_PART), words + " ([gamma_c.md](gamma_c.md))"
+
+
+def separately_affected() -> tuple[str, str]:
+    """Factors whose verdicts differ between the two optima."""
+    rows = [
+        ("restitution", "restitution"),
+        ("friction", "friction"),
+        ("modulus", "youngs_modulus"),
+        ("density", "density"),
+    ]
+    rows = [(s, k) for s, k in rows if effects(s, k) is not None]
+    words = []
+    for study, key in rows:
+        places = [said(study, key, f"gamma_{which}")[0] for which in ("fluidisation", "collision")]
+        heights = [said(study, key, f"effectiveness_{which}")[0] for which in ("fluidisation", "collision")]
+        words.append(f"{study}: Γ {places[0]} / {places[1]}, ε {heights[0]} / {heights[1]}")
+    differ = any(len(set(part.split(" Γ ")[1].split(", ε ")[0].split(" / "))) > 1 for part in words)
+    text = "; ".join(words) + " (fluidisation / collision).  That the curve is the sum of two was not tested"
+    return (IN_PART if differ else NOT) if rows else OPEN, text
+
+
+def matter_for_fluidisation() -> tuple[str, str]:
+    """Depth, modulus and friction on fluidisation."""
+    found = [
+        said(study, key, response)
+        for study, key in (("bed_depth", "count"), ("modulus", "youngs_modulus"), ("friction", "friction"))
+        for response in ("gamma_fluidisation", "effectiveness_fluidisation")
+    ]
+    if not all(verdict for verdict, _ in found):
+        return OPEN, ""
+    moves = [any(v in ("higher", "lower", "not monotonic") for v, _ in found[k : k + 2]) for k in (0, 2, 4)]
+    names = "depth", "modulus", "friction"
+    words = "; ".join(f"{name}: {found[2 * k][1]}, {found[2 * k + 1][1]}" for k, name in enumerate(names))
+    return (HOLDS if all(moves) else IN_PART if any(moves) else NOT), words
+
+
+def timing_and_shear() -> tuple[str, str]:
+    """Clearance and shear resistance on the optimum of collision."""
+    found = [
+        said(study, key, response)
+        for study, key in (("clearance", "free_height"), ("shear_resistance", "rolling_friction"))
+        for response in ("gamma_collision", "effectiveness_collision")
+    ]
+    if not all(verdict for verdict, _ in found):
+        return OPEN, ""
+    moves = [any(v in ("higher", "lower") for v, _ in found[k : k + 2]) for k in (0, 2)]
+    words = f"clearance: {found[0][1]}, {found[1][1]}; rolling friction: {found[2][1]}, {found[3][1]}"
+    return (HOLDS if all(moves) else IN_PART if any(moves) else NOT), words
+
+
+BOTH = ("gamma_fluidisation", "gamma_collision")
+HEIGHTS = ("effectiveness_fluidisation", "effectiveness_collision")
+SAME_FLUIDISATION = (("gamma_fluidisation", "not affected"), ("effectiveness_fluidisation", "not affected"))
+ELSEWHERE = OPEN, "spheres only here: docs/sphericity.md, where it is there, is of spheroids"
+MOTION = "[gamma_c.md](gamma_c.md): in flight the bed is thicker than at rest, and the lid's push comes early"
+STATEMENTS = (
+    ("4.1 a", "Γ_c lies higher for spheroids than for spheres.", lambda: ELSEWHERE),
+    ("4.1 b", "One cause: spheroids pack denser and leave more clearance.", lambda: ELSEWHERE),
+    ("4.1 c", "The other cause: they resist shear more, so that more amplitude is needed.", lambda: ELSEWHERE),
+    ("4.1 d", "Fluidisation does not depend on the shape.", lambda: ELSEWHERE),
+    ("4.2.1 a", "The damping is proportional to the particles' mass in all modes.", proportional),
+    (
+        "4.2.1 b", "The density hardly moves Γ_c.",
+        lambda: every("density", "density", ("gamma_collision", "not affected")),
+    ),
+    (
+        "4.2.1 c", "Γ_f falls slightly with the density.",
+        lambda: every("density", "density", ("gamma_fluidisation", "lower")),
+    ),
+    (
+        "4.2.2 a", "Γ_f and Γ_c rise with the modulus.",
+        lambda: every("modulus", "youngs_modulus", *((name, "higher") for name in BOTH)),
+    ),
+    ("4.2.2 b", "The stiffer, the less it matters: x10 and x100 are alike.", alike_when_stiff),
+    (
+        "4.2.2 c", "Soft particles damp more round both optima.",
+        lambda: every("modulus", "youngs_modulus", *((name, "lower") for name in HEIGHTS)),
+    ),
+    ("4.2.2 d", "... because their contacts deform more, and lose more by it.", dashpots_when_soft),
+    (
+        "4.2.3 a", "Restitution does not matter for fluidisation.",
+        lambda: every("restitution", "restitution", *SAME_FLUIDISATION),
+    ),
+    (
+        "4.2.3 b", "More restitution gives more loss round the optimum of collision.",
+        lambda: every("restitution", "restitution", ("effectiveness_collision", "higher")),
+    ),
+    ("4.2.3 c", "Sliding between particles is the chief mechanism.", friction_is_chief),
+    ("4.2.3 d", "More restitution means more sliding contacts, more loss by friction.", more_friction_by_restitution),
+    ("4.2.4 a", "Friction raises the damping from fluidisation on towards convection.", friction_towards_convection),
+    ("4.2.4 b", "Round the optimum of collision little friction lowers it, much raises it.", friction_at_collision),
+    ("4.2.4 c", "Friction is what dissipates in collision.", lambda: friction_is_chief("friction", "friction")),
+    ("4.3 a", "Γ_c is a straight line over f^2, of slope 0.0029, as eq. 20 has it.", collision_line),
+    ("4.3 b", "Γ_f is a straight line over f: 3 − 0.0037 f.", fluidisation_line),
+    ("4.3 c", "The curve is made of two independent ones, one for each motion.", separately_affected),
+    ("4.4.1 a", "Bed depth, compressibility and friction decide fluidisation.", matter_for_fluidisation),
+    (
+        "4.4.1 b", "The frequency comes in by resonance of the bed, which takes Γ_f below 1.",
+        lambda: (OPEN, "no study here is of waves within the bed"),
+    ),
+    (
+        "4.4.2 a", "At the optimum the bed meets both walls as a compact body at the largest relative speed.",
+        lambda: (IN_PART, MOTION),
+    ),
+    ("4.4.2 b", "What moves the timing of the collisions or the shear resistance decides collision.", timing_and_shear),
+)  # fmt: skip
+
+
+def rows():
+    """Number, statement, verdict and figures of each."""
+    for number, statement, check in STATEMENTS:
+        verdict, words = check()
+        yield number, statement, verdict if verdict == OPEN else f"**{verdict}**", words or "-"
