@@ -106,7 +106,7 @@ class Sections:
             return f"list of {self._value(part['items'])}"
         if part["type"] == "object":
             values = list(part.get("patternProperties", {}).values()) or [part["additionalProperties"]]
-            return f"{{name: {self._value(values[0])}}}"
+            return f"{{name: {'value' if values[0] is True else self._value(values[0])}}}"
         if isinstance(part["type"], list):
             return part["description"]
         return {"string": "text", "integer": "whole number", "boolean": "true or false"}.get(part["type"], part["type"])

@@ -86,6 +86,8 @@ def alike_when_stiff() -> tuple[str, str]:
     found = effects("modulus", "youngs_modulus")
     if found is None:
         return OPEN, ""
+    if found.sizes["youngs_modulus"] < 5:
+        return OPEN, "x100 (modulus_stiff) was not run"
     words, right = [], []
     for response, f in (("gamma_fluidisation", FAST), ("gamma_collision", SLOW)):
         level = found["level"].sel(response=response, frequency=f).values

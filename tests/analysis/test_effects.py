@@ -120,7 +120,7 @@ def test_levels_with_fewer_packings_count_as_far_as_they_go():
 
 
 def fit(slope, error):
-    return Fit(slope, error, error, 0.5, 1.0, 1.0, False, 7)
+    return Fit(slope, error, error, 0.5, 1.0, 1.0, False, 7, 2.0)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def fit(slope, error):
     ],
 )  # fmt: skip
 def test_a_verdict_and_what_would_decide_it(slope, error, verdict):
-    found, needed = decide(fit(slope, error), 2.0, 2.36 * error)
+    found, needed = decide(fit(slope, error), 2.36 * error)
     assert found == verdict
     assert math.isfinite(needed) == (verdict == Verdict.UNDECIDED)
     if verdict == Verdict.UNDECIDED:  # nine times the packings make three errors of one; none would make it unaffected

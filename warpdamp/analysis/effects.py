@@ -63,9 +63,9 @@ def effect_of(dataset: xr.Dataset, factor: str, *, step: float | None = None) ->
     -------
     xarray.Dataset
         On (response, ...): ``effect`` by doubling or step and ``effect_low``, ``effect_high`` [-], the same of
-        ``change`` over the whole range, ``exponent`` d log(response) / d log(factor) and its ``_standard_error``,
-        ``paired_standard_error`` and ``unpaired_standard_error`` of the logarithm by doubling or step, ``p_value``,
-        ``p_holm`` (Holm's, over all that is returned), ``p_monotony``, ``p_straight``, ``verdict`` and
+        ``change`` over the range of the levels that have it, ``exponent`` d log(response) / d log(factor) and its
+        ``_standard_error``, ``paired_standard_error`` and ``unpaired_standard_error`` of the logarithm by doubling or
+        step, ``p_value``, ``p_holm`` (Holm's, over all that is returned), ``p_monotony``, ``p_straight``, ``verdict``,
         ``packings_needed`` to decide what is undecided.  On the factor, too: ``level``, ``level_standard_error``.
         On (gamma, ...): ``curve_effect`` by doubling or step, its ``_low`` and ``_high``.  Attributes: ``factor``,
         ``per`` and ``packings``.
@@ -113,11 +113,6 @@ class Scale:
     x: np.ndarray
     step: float | None
 
-    @property
-    def span(self) -> float:
-        """All of the range, in units of x."""
-        return float(np.ptp(self.x))
-
     def words(self, unit: str) -> str:
         """What an effect is stated for."""
         return DOUBLING if self.step is None else f"{STEP} of {self.step:.3g}{'' if unit == '1' else ' ' + unit}"
@@ -142,6 +137,8 @@ class Fit:
     p_straight: float
     outlying: bool
     degrees: int
+    span: float
+    """Range of the levels that have the response, in units of x."""
 
 
 def _line(x, values, errors, without, packings: int) -> Fit | None:
@@ -179,6 +176,7 @@ def _line(x, values, errors, without, packings: int) -> Fit | None:
         p_straight=straight,
         outlying=len(from_first) * smallest < 0.05,
         degrees=degrees,
+        span=float(np.ptp(x)),
     )
 
 
@@ -226,8 +224,8 @@ def _table(lines: np.ndarray, scale: Scale) -> dict[str, np.ndarray]:
         width = float(t.ppf(0.975, fit.degrees)) * fit.paired
         ends = {"": 0.0, "_low": -width, "_high": width}
         row = {f"effect{key}": math.expm1(fit.slope + end) for key, end in ends.items()}
-        row |= {f"change{key}": math.expm1(scale.span * (fit.slope + end)) for key, end in ends.items()}
-        verdict, needed = decide(fit, scale.span, width)
+        row |= {f"change{key}": math.expm1(fit.span * (fit.slope + end)) for key, end in ends.items()}
+        verdict, needed = decide(fit, width)
         row |= {"paired_standard_error": fit.paired, "unpaired_standard_error": fit.unpaired, "p_holm": p_holm}
         row |= {name: getattr(fit, name) for name in ("p_value", "p_monotony", "p_straight")}
         if scale.step is None:
@@ -238,25 +236,23 @@ def _table(lines: np.ndarray, scale: Scale) -> dict[str, np.ndarray]:
     return {name: values.reshape(lines.shape) for name, values in table.items()}
 
 
-def decide(fit: Fit, span: float, width: float) -> tuple[Verdict, float]:
+def decide(fit: Fit, width: float) -> tuple[Verdict, float]:
     """Verdict of a fit, and the packings that would decide it (not a number where it is decided).
 
     Parameters
     ----------
     fit : Fit
-    span : float
-        All of the factor's range, in units of the slope's.
     width : float
         Half-width of the slope's 95 % interval.
     """
-    if abs(fit.slope) >= SURE * fit.paired:
+    if abs(fit.slope) >= max(SURE * fit.paired, width):
         return (Verdict.HIGHER if fit.slope > 0 else Verdict.LOWER), math.nan
     if fit.outlying:
         return Verdict.NOT_MONOTONIC, math.nan
-    change, half = abs(fit.slope) * span, width * span
+    change, half = abs(fit.slope) * fit.span, width * fit.span
     if change + half <= math.log1p(SAME):
         return Verdict.NOT_AFFECTED, math.nan
-    factors = [(SURE * fit.paired / abs(fit.slope)) ** 2] if fit.slope else []
+    factors = [(max(SURE * fit.paired, width) / abs(fit.slope)) ** 2] if fit.slope else []
     if change < math.log1p(SAME):
         factors.append((half / (math.log1p(SAME) - change)) ** 2)
     return Verdict.UNDECIDED, float(math.ceil((fit.degrees + 1) * min(factors)))

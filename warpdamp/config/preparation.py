@@ -44,7 +44,7 @@ class PreparationConfig(Model):
     carried: CarriedConfig | None = None
     """Each amplitude starts from the bed that the one before left."""
     made_with: dict[str, dict[str, Any]] | None = None
-    """Parts of the configuration that differ while a bed is made: of materials, contact, or gravity."""
+    """Parts of the configuration, by section, that differ while beds are made."""
 
     @model_validator(mode="after")
     def _one(self):
@@ -102,7 +102,7 @@ def while_made(values: dict[str, Any], preparation: Word | PreparationConfig) ->
         return other
 
     asked = state_asked(preparation)
-    kept = {key: value for key, value in values.items() if key not in ("sweep", "coupled", "accuracy")}
+    kept = {key: value for key, value in values.items() if key not in ("sweep", "coupled", "accuracy", "design")}
     return merged(kept, made_with(preparation), "preparation.made_with") | {"preparation": asked or "compacted"}
 
 

@@ -48,8 +48,15 @@ def samples(path: Path, quantity: str) -> tuple[np.ndarray, float]:
         raise UsageError(f"{path}: the {quantity} is zero throughout")
     step = time[-1] / (len(time) - 1)
     if time[0] != 0 or step <= 0 or np.abs(time - step * np.arange(len(time))).max() > UNEVEN * step:
-        raise UsageError(f"{path}: the time must start at 0 and be evenly spaced: resample the record")
+        line = table.lines[_odd(time)]
+        raise UsageError(f"{path}:{line}: the time must start at 0 and be evenly spaced: resample the record")
     return np.append(values, 0.0), float(step)
+
+
+def _odd(time: np.ndarray) -> int:
+    """Row at which the time is odd: the first, or that after the step that is most unlike the usual one."""
+    steps = np.diff(time)
+    return 0 if time[0] != 0 else 1 + int(np.argmax(np.abs(steps - np.median(steps))))
 
 
 def _columns(table: TextTable, quantity: str) -> tuple[np.ndarray, np.ndarray]:

@@ -178,14 +178,14 @@ def planned(config: Config) -> tuple[dict[tuple[int, int], Run], list[Signal | N
     )
     dt, between = _step(reference, excitation.content(own, signals[0]), longest)
     steps = math.ceil(own.duration / dt)
-    made = [scene(damper.while_made()) for damper in dampers]
+    rests = [scene(damper.while_made()) for damper in dampers]
     runs = {}
     for i, level in enumerate(hosts):
         on_host = tuple(still.on_host(replace(host, record=between)) for still, host in zip(scenes, level, strict=True))
         for j, seed in enumerate(config.seeds):
             requests = tuple(
                 Request(rest, bed, own_seed(seed, k), numerics=numerics, **bed_of(config))
-                for k, (rest, bed) in enumerate(zip(made, beds, strict=True))
+                for k, (rest, bed) in enumerate(zip(rests, beds, strict=True))
             )
             runs[i, j] = Run(requests, on_host, dt, steps)
     return runs, signals
