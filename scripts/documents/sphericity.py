@@ -211,7 +211,7 @@ def statements(
         f"collide as far above a plastic block as spheres do; {beyond} of {len(others)} rise by more than two standard "
         "errors beyond that, for which a resistance to shear is left.  That was not measured by itself.",
         "3. *Where beds do not collide with the lid, shape does not matter: all shapes yield the same curve, in all "
-        f"three modes.*  {_verdict(len(judged) - len(unlike), len(judged))}: means over amplitudes of "
+        f"three modes.*  {_verdict(len(judged) - len(unlike), len(fluidised))}: means over amplitudes of "
         f"fluidisation differ from those of spheres by up to {largest}; by more than chance (p below {SIGNIFICANT:g}) "
         f"in {', '.join(unlike) or 'none of them'}.  Not judged, for most of their cases were still drifting: "
         f"{left_out or 'none'}.",
