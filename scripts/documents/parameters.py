@@ -293,7 +293,7 @@ def document() -> None:
     write_document(
         "parameters.md",
         head("What each parameter does", __file__)
-        + " from `docs/parameters/*.nc`, the studies in [configs/studies](../configs/studies).  The damper is the "
+        + " from `docs/parameters/*.nc`, the studies in `configs/studies`.  The damper is the "
         "paper's, with what a study changes; Γ_f and ε_f are read at 280 Hz (mode 3), Γ_c and ε_c at 39.5 Hz (mode 1), "
         "where each stands alone.  Where forces are what changes, all arms start from the same beds.",
         "## Table 1 again",
