@@ -430,9 +430,9 @@ def example_section() -> str:
     """The worked example as it was run."""
     said = DOCS / "design-example.txt"
     asked = (
-        "`warpdamp design configs/design.yaml`: 2 % in mode 1 of the paper's beam over Γ 2 to 8 with the least mass.  It is "
-        "the last of several runs while the search was written: in an earlier one the damper found missed the target when "
-        "it was simulated again, no claim was made, and the search was changed after it."
+        "`warpdamp design configs/design.yaml`: 2 % in mode 1 of the paper's beam over Γ 2 to 8 with the least mass.  "
+        "It is the last of several runs while the search was written: in an earlier one the damper found missed the "
+        "target when it was simulated again, no claim was made, and the search was changed after it."
     )
     if not said.exists():
         return f"{asked} Not run yet."
