@@ -65,8 +65,8 @@ def hard(title, expected="runs"):
     return register
 
 
-def scene(*, material=PMMA, restitution=0.52, friction=0.86, cavity=CAVITY, gravity=G, drive=None):
-    surface = Surface(restitution, friction)
+def scene(*, material=PMMA, restitution=0.52, friction=0.86, rolling=0.0, cavity=CAVITY, gravity=G, drive=None):
+    surface = Surface(restitution, friction, rolling)
     return Scene(material, material, surface, surface, cavity, gravity, drive)
 
 

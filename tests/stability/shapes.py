@@ -106,10 +106,10 @@ for e in (0.0, 1.0):
 
 @hard("a bed of spheroids at rest for ten million steps")
 def resting(fine):
-    """No drift and no heating."""
-    s = scene(cavity=Cylinder(0.024, 0.024))
+    """No drift and no heating; rolling resistance, for a spheroid on its side rolls on at no cost."""
+    s = scene(cavity=Cylinder(0.024, 0.024), rolling=0.05)
     state = settle(s, shaped(2.0, 8, cavity=s.enclosure))
-    batch = Batch([Case(s, state, contact_step(s, state))], effects=COMMON)
+    batch = Batch([Case(s, state, contact_step(s, state))], effects=dataclasses.replace(COMMON, rolling=True))
     batch.advance(200_000)  # what is left of the settling dies away
     before, start = batch.read()[0]
     batch.advance(10_000_000 if fine else 300_000)

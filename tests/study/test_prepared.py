@@ -55,7 +55,7 @@ def test_the_example_of_hysteresis_runs_each_amplitude_from_the_bed_before(writt
     write(dataset, tmp_path / "legs.nc")
     assert list(xr.load_dataset(tmp_path / "legs.nc")["leg_direction"].values) == ["up", "down", "up"]
     assert len(draw(dataset).axes) >= 1
-    assert "1 carried beds, each through all amplitudes up, then down, then up" in explain(warpdamp.load(path))
+    assert "1 carried bed, each through all amplitudes up, then down, then up" in explain(warpdamp.load(path))
 
 
 def test_the_state_asked_for_is_swept_like_any_scalar(written):

@@ -98,14 +98,17 @@ def test_zipped_groups_share_a_dimension(study):
     assert axis.rows == tuple((f, pytest.approx(d), h) for f, d in ((0.1, 920), (0.3, 1000)) for h in (0.02, 0.025))
 
 
-def test_the_readmes_example_is_valid(tmp_path):
-    example = re.search(r"```yaml\n(sweep:.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)[1]
+def test_the_examples_of_the_documentation_are_valid(tmp_path):
+    page = (ROOT / "docs" / "howto" / "sweep-anything.md").read_text()
+    examples = re.findall(r"```yaml\n(sweep:.*?)```", page, re.DOTALL)
     (tmp_path / "points.csv").write_text("rolling_friction\n0.01\n")
     base = (ROOT / "configs" / "beam.yaml").read_text()
-    (tmp_path / "study.yaml").write_text(base + example)
-    cases = Cases(load(tmp_path / "study.yaml"))
-    assert cases.dims == ("frequency", "gamma", "friction", "count", "preparation", "case", "seed")
-    assert cases.shape[2:-1] == (3, 3, 2, 2 * 64)
+    shapes = []
+    for example in examples:
+        (tmp_path / "study.yaml").write_text(base + example)
+        cases = Cases(load(tmp_path / "study.yaml"))
+        shapes.append(dict(zip(cases.dims[2:-1], cases.shape[2:-1], strict=True)))
+    assert shapes == [{"friction": 3, "count": 3, "preparation": 2, "case": 2}, {"case": 64}, {"case": 1}]
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin_hypercube"])

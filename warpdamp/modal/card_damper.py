@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pydantic import ValidationError
+
 from ..config.study import Config
 
 if TYPE_CHECKING:
@@ -29,8 +31,8 @@ def difference(part: xr.Dataset, config: Config, number: int) -> str | None:
     from ruamel.yaml.error import YAMLError
 
     try:
-        own = _leaves(_damper(YAML(typ="safe").load(str(part.attrs["configuration"])), 1))
-    except (KeyError, TypeError, YAMLError):
+        own = _leaves(_damper(_today(YAML(typ="safe").load(str(part.attrs["configuration"]))), 1))
+    except (KeyError, TypeError, ValidationError, YAMLError):
         return f"damper {number}: the card does not say which damper it is of"
     there = _leaves(_damper(config.model_dump(mode="json", by_alias=True), number))
     differ = [
@@ -46,6 +48,11 @@ def difference(part: xr.Dataset, config: Config, number: int) -> str | None:
     return (
         f"damper {number}: the card is of another damper than the study describes: {differ[0]}{more}; the card counts"
     )
+
+
+def _today(study: dict) -> dict:
+    """A study as it would be written today: keys that there were not when a card was made have their defaults."""
+    return Config.model_validate(study).model_dump(mode="json", by_alias=True)
 
 
 def _damper(study: dict, number: int) -> dict:
