@@ -238,7 +238,7 @@ def open_results(path: str | Path) -> xr.Dataset:
     {'frequency': 3, 'gamma': 21, 'seed': 3, 'mode': 3}
     >>> first = results["damping_ratio"].sel(mode=1)
     >>> float(first.idxmax("gamma"))  # Gamma of the most damping
-    5.0
+    6.0
     """
     with netcdf_errors(path):
         dataset = xr.open_dataset(path)
