@@ -227,7 +227,7 @@ def document() -> None:
     write_document(
         "gamma_c.md",
         head("Gamma of collision over frequency", __file__)
-        + f" from docs/gamma_c.nc: {len(SEEDS)} compacted packings, "
+        + f" from docs/gamma_c.nc (of physics version 5): {len(SEEDS)} compacted packings, "
         f"{len(found)} frequencies, {len(RATIOS)} amplitudes, {CYCLES} cycles, {STEPS} steps a contact; "
         f"{runs['status'].size} cases in {float(runs['cpu_time'].sum()):.0f} core-seconds.  Optima are maxima of a "
         "Gaussian process through all packings; their error is the larger of its posterior's and that of leaving "
