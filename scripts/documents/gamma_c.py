@@ -227,7 +227,7 @@ def document() -> None:
     write_document(
         "gamma_c.md",
         head("Gamma of collision over frequency", __file__)
-        + f" from docs/gamma_c.nc (of physics version 5): {len(SEEDS)} compacted packings, "
+        + f" from docs/gamma_c.nc (of physics version 6): {len(SEEDS)} compacted packings, "
         f"{len(found)} frequencies, {len(RATIOS)} amplitudes, {CYCLES} cycles, {STEPS} steps a contact; "
         f"{runs['status'].size} cases in {float(runs['cpu_time'].sum()):.0f} core-seconds.  Optima are maxima of a "
         "Gaussian process through all packings; their error is the larger of its posterior's and that of leaving "
@@ -238,7 +238,8 @@ def document() -> None:
         f"{line.intercept_standard_error:.2f})**, chi^2 per degree of freedom {line.scatter:.1f}.",
         table(["", "slope [1/Hz^2]", "intercept"], lines(line, clearance, after)),
         "## The motion",
-        f"Four packings near two optima, {RECORDED} cycles after {MOTION_CYCLES - RECORDED}, {SAMPLES} records a "
+        f"Four packings of physics version 5 near two "
+        f"optima, {RECORDED} cycles after {MOTION_CYCLES - RECORDED}, {SAMPLES} records a "
         "cycle, seen from the enclosure.  Clearance: at rest.  Travel: of the centre of mass, from its lowest to its "
         "highest in a cycle.  Thickness: least and largest in a cycle, less that at rest.  Pushes of floor and lid: "
         "middle of their impulse, time from a tenth to nine tenths of it; and when a plastic block of the same "
