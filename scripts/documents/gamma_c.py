@@ -238,7 +238,7 @@ def document() -> None:
         f"{line.intercept_standard_error:.2f})**, chi^2 per degree of freedom {line.scatter:.1f}.",
         table(["", "slope [1/Hz^2]", "intercept"], lines(line, clearance, after)),
         "## The motion",
-        f"Four packings of physics version 5 near two "
+        "Four packings of physics version 5 near two "
         f"optima, {RECORDED} cycles after {MOTION_CYCLES - RECORDED}, {SAMPLES} records a "
         "cycle, seen from the enclosure.  Clearance: at rest.  Travel: of the centre of mass, from its lowest to its "
         "highest in a cycle.  Thickness: least and largest in a cycle, less that at rest.  Pushes of floor and lid: "
