@@ -33,19 +33,12 @@ def coupled_stepper(effects, count: int):
     contact_forces = forces_of_contacts(effects, count)
     _, integrate, kick = motion(effects)
     book = ledger(effects, count)
-    stored, Column = book.stored, book.Column
+    stored, worked, Column = book.stored, book.worked, book.Column
     begin_cycle, cycle_displacement = book.begin_cycle, book.cycle_displacement
     contiguous_contacts = promises(effects)
     s = structure(effects)
     answer, enclosure_acceleration = s.answer_to_all, s.enclosure_acceleration
     record, enclosure_place = s.record, s.enclosure_place
-
-    @wp.func
-    def worked(case: Case, row: Row, work: wp.float64, momentum: wp.vec3d, base: real, h: real):
-        """Add the work of the inertial force, and what a base that moves does by the particles' momentum."""
-        row[Column.work_input] += work
-        row[Column.force_work] -= wp.float64(base * h) * wp.dot(momentum, wp.vec3d(case.direction))
-        return row
 
     @wp.func
     def pressed(

@@ -131,11 +131,20 @@ def ledger(effects, count: int):
             )
         return row
 
+    @wp.func
+    def worked(case: Case, row: Row, work: wp.float64, momentum: wp.vec3d, base: real, h: real):
+        """Add the work of the inertial force, and what a base that moves does by the particles' momentum."""
+        row[Column.work_input] += work
+        if wp.static(effects.structure):
+            row[Column.force_work] -= wp.float64(base * h) * wp.dot(momentum, wp.vec3d(case.direction))
+        return row
+
     return SimpleNamespace(
         tally=tally,
         add_impulses=add_impulses,
         begin_cycle=begin_cycle,
         cycle_displacement=cycle_displacement,
         stored=stored,
+        worked=worked,
         Column=Column,
     )
