@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,8 @@ from ..status import FIRST_UNFINISHED
 from ..study.run import run
 from ..sweep.axes import dotted
 from .problem import Design, Problem
+
+_log = logging.getLogger(__name__)
 
 NOISE = ("energy_dissipated_standard_error", "memory_error", "discretisation_error")
 
@@ -101,7 +104,8 @@ def _run_group(problem: Problem, orders: list[Order], store: Path, workers: int 
     study = _study(orders, frequencies)
     try:
         dataset = run(study, store=store, workers=workers, report=report)
-    except (SimulationError, ConfigError):  # none of these few could be run: they are known to be impossible
+    except (SimulationError, ConfigError) as error:  # none of these few could be run: the search learns of it
+        _log.warning("none of %d cases of a design could be run: %s", len(orders), error)
         return [Row(order, f, *[np.nan] * 4) for order, f in zip(orders, frequencies, strict=True)]
     return [_row(dataset.isel(case=k), order, frequencies[k]) for k, order in enumerate(orders)]
 
