@@ -18,7 +18,7 @@ script when it writes; simulations that a document reads again (`simulate` makes
 nothing is noted the document is older than the notes.
 
 Of version 6 of the physics (`warpdamp info` names the present one) are the main job with its picture, card, frf,
-modal-fits, dip, two_optima, gamma_c (its motion: 5), bed-states (its coverage: 5), sphericity, parameters and design.
+modal-fits, dip, two_optima, gamma_c (its motion: 5), bed-states (its coverage: 5), steps, sphericity, parameters and design.
 Of version 5 are the intervals in accuracy and the last rows of performance. acceptance, effects, benchmark,
 frequency_map and the rest of accuracy are of version 4 and before, in which beds were compacted with friction: their
 mode 1 has its optimum at Gamma 5. The runs of coupling are of version 2, the prediction beside them of 6.
@@ -44,6 +44,7 @@ SHOWS = {
     "modes": "beams, plates and added masses against closed forms",
     "performance": "what was tried for speed, kept or not, and the plain-C limit",
     "stability": "hard cases: each runs, is refused, or is flagged; what the guards cost; damaged files",
+    "steps": "what fewer steps a contact do to energies, the ledger and a bed's stability",
     "sweeps": "10,000 cases: overhead, memory, kills, partitions, a plan for a million",
     "two_optima": "eight packings over Gamma: optima, spread, what the clearance explains of it",
     "verification": "impacts, friction, rolling, energy, dampers against closed forms and independent integrations",
