@@ -18,9 +18,9 @@ script when it writes; simulations that a document reads again (`simulate` makes
 nothing is noted the document is older than the notes.
 
 Of version 6 of the physics (`warpdamp info` names the present one) are the main job with its picture, card, frf,
-modal-fits, dip, two_optima, gamma_c (its motion: 5), bed-states (its coverage: 5), steps, sphericity, parameters
-and design. Of version 5 are the intervals in accuracy and the last rows of performance. acceptance, effects,
-benchmark, frequency_map and the rest of accuracy are of version 4 and before, in which beds were compacted with friction: their
+modal-fits, dip, two_optima, gamma_c (its motion: 5), bed-states (its coverage: 5), steps, sphericity, parameters and
+design. Of version 5 are the intervals in accuracy and the last rows of performance. acceptance, effects, benchmark,
+frequency_map and the rest of accuracy are of version 4 and before, in which beds were compacted with friction: their
 mode 1 has its optimum at Gamma 5. The runs of coupling are of version 2, the prediction beside them of 6.
 `coverage.py`, `price.py` and `presets.py` beside the scripts measure for [accuracy](/accuracy.md) whether claimed
 intervals hold, what a tolerance saves, and by what presets err.
