@@ -66,9 +66,9 @@ METRICS = (
     Metric("lammps_lean_speed", "peers", SPEED, "LAMMPS, power sampled every ten steps"),
     Metric("liggghts_lean_speed", "peers", SPEED, "LIGGGHTS, power sampled every ten steps"),
     Metric("yade_lean_speed", "peers", SPEED, "YADE without its tally"),
-    Metric("lammps_ratio", "peers", "1", "speed over that of LAMMPS", ">=", 2.0, 2.5),
-    Metric("liggghts_ratio", "peers", "1", "speed over that of LIGGGHTS", ">=", 1.2, 1.5),
-    Metric("yade_ratio", "peers", "1", "speed over that of YADE", ">=", 7.0, 10.0),
+    Metric("lammps_ratio", "peers", "1", "speed over that of LAMMPS", ">=", 3.5, 4.0),
+    Metric("liggghts_ratio", "peers", "1", "speed over that of LIGGGHTS", ">=", 2.2, 2.5),
+    Metric("yade_ratio", "peers", "1", "speed over that of YADE", ">=", 12.0, 14.0),
     Metric("lammps_lean_ratio", "peers", "1", "speed over that of lean LAMMPS"),
     Metric("liggghts_lean_ratio", "peers", "1", "speed over that of lean LIGGGHTS"),
     Metric("yade_lean_ratio", "peers", "1", "speed over that of lean YADE"),
@@ -84,7 +84,7 @@ METRICS = (
             Metric(f"contacts_{count}", "one_cavity", "1", "contacts per particle there"),
         )
     ),
-    Metric("cost_spread", "one_cavity", "1", "largest of these costs over the smallest", "<=", 1.7),
+    Metric("cost_spread", "one_cavity", "1", "largest of these costs over the smallest", "<=", 1.3),
     *(
         metric
         for peer in scaling.LARGE_PEERS
@@ -94,7 +94,7 @@ METRICS = (
             Metric(f"{peer}_cost_spread", "one_cavity", "1", "the larger over the smaller"),
         )
     ),
-    Metric("memory_stepping", "memory", "byte", "a particle's share of the peak while 100,000 run", "<=", 1000.0),
+    Metric("memory_stepping", "memory", "byte", "a particle's share of the peak while 100,000 run", "<=", 800.0),
     Metric("memory_with_copy", "memory", "byte", "the same, and a copy of the state read at the end"),
     Metric("million_cost", "million", COST, f"of a particle-step of a million, {scaling.MILLION_STEPS} steps"),
     Metric("million_memory", "million", "byte", "a particle's share of the peak while they run"),
@@ -103,7 +103,7 @@ METRICS = (
     Metric("case_cost_spread", "batches", "1", "largest of these costs over the smallest", "<=", 1.15),
     Metric("sweep_one_worker", "two_cores", "s", "cases of a sweep of 64, one worker"),
     Metric("sweep_two_workers", "two_cores", "s", "the same, two workers"),
-    Metric("two_core_gain", "two_cores", "1", "the first over the second", ">=", 1.85),
+    Metric("two_core_gain", "two_cores", "1", "the first over the second", ">=", 1.9),
     Metric("machine_gain", "machine_gain", "1", "two processes that share nothing over one of them, on this machine"),
     Metric("help_time", "commands", "s", "`warpdamp --help`", "<=", 0.4),
     Metric("import_time", "commands", "s", "`python -c 'import warpdamp'`", "<=", 0.5),
