@@ -71,6 +71,8 @@ def test_a_search_that_was_stopped_goes_on_from_its_store(in_process, monkeypatc
     text = (tmp_path / "parts" / "small-design.yaml").read_text()
     assert text.startswith("# ")
     assert (tmp_path / "parts" / "small-design.png").read_bytes()[:4] == b"\x89PNG"
+    assert command("report", tmp_path / "parts" / "small-design.nc").exit_code == 0
+    assert "Which damper damps" in (tmp_path / "parts" / "small-design.html").read_text()
     assert command("modes", tmp_path / "parts" / "small-design.yaml").exit_code == 0
 
 

@@ -5,8 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from warpdamp import run
+from design_formula import STUDY as DESIGN
+from design_formula import by_formula
+from warpdamp import load, run
 from warpdamp.analysis.results import write
+from warpdamp.design.dataset import to_dataset
+from warpdamp.design.run import design
 from warpdamp.report.film import Film
 from warpdamp.study.again import again
 from warpdamp.sweep.choice import Choice
@@ -44,6 +48,15 @@ def results(study):
     path = study.with_suffix(".nc")
     write(run(study, executor="in-process"), path)
     return path
+
+
+@pytest.fixture(scope="session")
+def answer(tmp_path_factory):
+    """Answer to a design problem, as a Dataset."""
+    path = tmp_path_factory.mktemp("design") / "problem.yaml"
+    path.write_text(DESIGN)
+    with by_formula():
+        return to_dataset(design(load(path), path.with_suffix("")))
 
 
 @pytest.fixture(scope="session")

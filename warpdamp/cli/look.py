@@ -153,14 +153,18 @@ LONGEST_CASE = 2e8
 
 @app.command()
 def report(
-    file: Annotated[Path, typer.Argument(help="Results of a run.", metavar="RESULTS.nc")],
+    file: Annotated[Path, typer.Argument(help="Results of a run, or the answer of a design.", metavar="RESULTS.nc")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Page to write (default: beside FILE).")] = None,
     film: Annotated[bool, typer.Option(help="With a film of the most effective case.")] = True,
 ) -> None:
-    """Write a report: one HTML file with curves, calculator, energies, modes and a film, which opens offline."""
+    """Write a report: one HTML file with curves, calculator, energies, modes and a film, which opens offline.
+
+    Of a design: the damper chosen with its probability, its curve, the front, tolerances and runners-up.
+    """
     with one_line_errors():
-        from ..analysis.results import read
+        from ..analysis.results import is_design, read
         from ..formats.optional import needs
+        from ..report.design_page import write_design_report
         from ..report.report_page import write_report
 
         target = output or file.with_suffix(".html")
@@ -168,7 +172,11 @@ def report(
             raise UsageError(f"{target}: name a file that ends in .html")
         needs("jinja2", "reports", "report")
         writable(target.parent)
-        dataset = read(file)
+        dataset = read(file, design=True)
+        if is_design(dataset):
+            write_design_report(dataset, target)
+            print(target)
+            return
         try:
             modes = _modes(dataset, file)
             shown = _film_of_report(dataset, file) if film else "This report was made without a film."

@@ -73,13 +73,16 @@ def write_report(
         verdicts=verdicts(dataset),
         cost=cost(dataset),
         yaml=dataset.attrs.get("configuration", ""),
-        versions=[
-            (name, str(dataset.attrs[name])) for name in ("source", "history", "references") if name in dataset.attrs
-        ],
+        versions=versions_of(dataset),
         effects=str(dataset.attrs.get("effects", "")),
         data=as_json(shown),
     )
     write_page(text, path, MOST_BYTES)
+
+
+def versions_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
+    """What made results, as named values."""
+    return [(name, str(dataset.attrs[name])) for name in ("source", "history", "references") if name in dataset.attrs]
 
 
 def _preparation(dataset: xr.Dataset) -> str:
