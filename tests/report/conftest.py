@@ -73,6 +73,15 @@ def film(taken):
 
 
 @pytest.fixture(scope="session")
+def beside(film, results):
+    """The film with that of a second damper beside it: the same case by another packing, a quarter of a cycle apart."""
+    other = again(results, Choice(gamma=6, mode=1, seed=2), frames=10, shown=2).trajectory
+    frames = [replace(frame, cycle=frame.cycle - 0.25) for frame in other.frames]
+    second = replace(film, trajectory=replace(other, frames=frames), label="damper 2: mode 1")
+    return replace(film, beside=(second,))
+
+
+@pytest.fixture(scope="session")
 def spheroids(film):
     """The same film with particles that are twice as long as wide, their axes turning from z to x."""
     frames = []

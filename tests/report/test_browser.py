@@ -32,12 +32,13 @@ def axe():
 
 
 @pytest.fixture(scope="module")
-def pages(results, film, spheroids, answer, tmp_path_factory):
+def pages(results, film, spheroids, beside, answer, tmp_path_factory):
     """Paths of pages: of films, of the reports of a study, of a sweep over two more scalars, and of a design."""
     folder, dataset = tmp_path_factory.mktemp("pages"), xr.load_dataset(results)
     modes = next(Cases(stored_config(dataset, results)).points()).modes
     write_film_page(film, folder / "film.html")
     write_film_page(spheroids, folder / "spheroids.html")
+    write_film_page(beside, folder / "beside.html")
     write_report(dataset, folder / "report.html", modes=modes, film=film)
     write_report(swept(dataset), folder / "sweep.html", modes="None.", film="None.")
     write_report(sampled(dataset), folder / "sample.html", modes="None.", film="None.")
@@ -68,7 +69,7 @@ def sampled(dataset):
     return one.assign_coords(case=[0, 1]).assign_coords(own)
 
 
-PAGES = ("film", "spheroids", "report", "sweep", "sample", "design")
+PAGES = ("film", "spheroids", "beside", "report", "sweep", "sample", "design")
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -85,7 +86,7 @@ def test_nothing_is_cut_off_or_lies_on_something_else(driver, pages, name, width
     assert driver.execute_script(OVERLAPS) == []
 
 
-@pytest.mark.parametrize("name", ["film", "report", "sweep", "design"])
+@pytest.mark.parametrize("name", ["film", "beside", "report", "sweep", "design"])
 def test_contrast_names_and_alternatives(driver, pages, axe, name):
     open_page(driver, pages[name])
     assert violations(driver, axe) == []
@@ -190,6 +191,20 @@ const there = document.querySelector(".film canvas"), empty = document.createEle
 [empty.width, empty.height] = [there.width, there.height];
 return empty.toDataURL();
 """
+
+
+def test_cavities_beside_each_other_turn_together(driver, pages):
+    open_page(driver, pages["beside"])
+    each = "return [...document.querySelectorAll('.film canvas')].map((c) => c.toDataURL())"
+    before = driver.execute_script(each)
+    assert len(set(before)) == 2
+    second = "document.querySelectorAll('.film canvas')[1]"
+    driver.execute_script(f"{second}.dispatchEvent(new KeyboardEvent('keydown', {{ key: 'ArrowLeft' }}));")
+    resize(driver, 1100)
+    after = driver.execute_script(each)
+    assert before[0] != after[0]
+    assert before[1] != after[1]
+    assert complaints(driver) == []
 
 
 def test_the_film_plays_turns_and_changes_its_colours(driver, pages):

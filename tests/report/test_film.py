@@ -9,7 +9,7 @@ import xarray as xr
 from warpdamp.errors import SimulationError, UsageError
 from warpdamp.report.film import Colour
 from warpdamp.report.film_files import quaternions, write_extxyz, write_vtkhdf
-from warpdamp.report.film_page import film_data, write_film_page
+from warpdamp.report.film_page import film_data, films_data, write_film_page
 from warpdamp.report.film_pictures import pictures, write_gif, write_mp4
 from warpdamp.status import Status
 from warpdamp.study.again import again
@@ -95,6 +95,16 @@ def test_pictures_change_from_frame_to_frame_and_with_the_colour(film):
     assert not np.array_equal(shots[0], shots[4])
     energy = next(pictures(dataclasses.replace(film, colour=Colour.ENERGY, forces=True)))
     assert not np.array_equal(shots[0], energy)
+
+
+def test_dampers_stand_beside_each_other_in_one_scale(film, beside):
+    shot = next(pictures(beside))
+    assert shot.shape == (432, 1100, 3)
+    every = films_data(beside)
+    assert len(every) == 2
+    assert len({data["strongest"] for data in every}) == 1
+    assert every[0]["quantities"] == every[1]["quantities"]
+    assert beside.strongest >= film.strongest
 
 
 def test_a_gif_holds_every_frame(film, tmp_path):
@@ -203,7 +213,7 @@ def test_the_page_holds_positions_to_a_65535th_of_their_range(film):
     import base64
     import zlib
 
-    data = film_data(film)
+    data = film_data(film, film)
     kind, offset, length = data["packed"]["arrays"]["position"]
     assert kind == "u2"
     raw = zlib.decompress(base64.b64decode(data["packed"]["data"]))
