@@ -80,6 +80,13 @@ def test_results_of_another_machine_are_refused_and_said(results, tmp_path):
     assert "another version or on another machine" in taken.remark
 
 
+def test_a_part_of_the_results(results, tmp_path):
+    part = xr.load_dataset(results).drop_vars("cycles")
+    part.to_netcdf(tmp_path / "part.nc")
+    with pytest.raises(UsageError, match=r"part.nc: these are not the results of a whole run: there is no cycles"):
+        again(tmp_path / "part.nc", Choice(gamma=6, mode=1))
+
+
 def test_results_of_another_physics(results, tmp_path):
     def change(dataset):
         dataset.attrs["source"] = "warpdamp 0.0.1 (physics 1)"

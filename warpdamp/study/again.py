@@ -35,6 +35,10 @@ WITHOUT_FILM = (Status.NOT_FINITE, Status.ESCAPED)
 """Statuses of cases that stopped before their end; those from ``FAILED`` on did not even begin, or have no results."""
 
 
+NEEDED = ("status", "cycles", "cycles_discarded")
+"""Variables without which it is not known how a case ran."""
+
+
 @dataclass(frozen=True)
 class Again:
     """Case run again, recorded.
@@ -119,6 +123,8 @@ def again(
     config = load(source) if dataset is None else stored_config(dataset, source)
     if config.dampers:
         raise UsageError(f"{source}: is of several dampers on one structure: each has a case of its own")
+    if dataset is not None and (missing := [name for name in NEEDED if name not in dataset]):
+        raise UsageError(f"{source}: these are not the results of a whole run: there is no {missing[0]}")
     if dataset is not None and not anyway and (made := physics_of(dataset)) != PHYSICS_VERSION:
         raise UsageError(
             f"{source}: made by version {made} of the physics, and this is {PHYSICS_VERSION}: run the study again, or "
