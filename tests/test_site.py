@@ -100,6 +100,14 @@ def test_the_readme_is_short():
     assert len((ROOT / "README.md").read_bytes()) <= 8192
 
 
+def test_the_readmes_design_is_the_one_that_was_run():
+    """The answer in the README is that in docs/design-example.txt, which `scripts/documents/design.py` writes."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    answer = text.partition("<!-- answer of the design example -->\n```\n")[2].partition("```")[0]
+    assert answer.startswith("the target of 2 % is met with P = ")
+    assert (ROOT / "docs" / "design-example.txt").read_text().startswith(answer)
+
+
 def test_the_tutorial_is_one_script_that_begins_with_the_installation():
     lines = script((ROOT / "docs" / "tutorial" / "index.md").read_text(encoding="utf-8")).splitlines()
     assert lines[1:3] == ["python3 -m venv .venv", '.venv/bin/pip install ".[report]"']
