@@ -144,11 +144,11 @@ class State:
         radius = np.broadcast_to(np.asarray(radius, float), len(position)).copy()
         species = np.broadcast_to(np.asarray(species, np.int32), len(position)).copy()
         spheres = np.ndim(aspect) == 0 and aspect == 1
-        aspect = np.zeros(0) if spheres else np.broadcast_to(np.asarray(aspect, float), len(position)).copy()
         upright = np.shape(axis) == (3,) and tuple(axis) == UPRIGHT
-        axis = np.zeros((0, 3)) if spheres and upright else np.broadcast_to(np.asarray(axis, float), position.shape).copy()
+        aspect = () if spheres else np.broadcast_to(np.asarray(aspect, float), len(position))
+        axis = () if spheres and upright else np.broadcast_to(np.asarray(axis, float), position.shape)
         still = np.zeros_like(position)
-        return cls(position, still, still.copy(), radius, species=species, aspect=aspect, axis=axis)
+        return cls(position, still, still.copy(), radius, species=species, aspect=np.array(aspect), axis=np.array(axis))
 
     def __len__(self) -> int:
         return len(self.position)
@@ -291,8 +291,11 @@ class ContactHistory:
     normal : (..., 3) array
         Unit vectors from j to i at spheroids' contacts, or ones that part them; zeros for spheres unless given.
     arm : (..., 3) array
-        From i's centre to spheroids' contacts [m]; zeros for spheres unless given.  Zeros that nobody gave take no memory
-        and cannot be written to.
+        From i's centre to spheroids' contacts [m]; zeros for spheres unless given.
+
+    Notes
+    -----
+    Normals and arms that nobody gave take no memory and cannot be written to.
     """
 
     stretch: np.ndarray
