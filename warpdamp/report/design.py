@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..sweep.axes import unit_of
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -27,7 +29,7 @@ def lines(answer) -> list[str]:
     else:
         asked = f"{problem.design.confidence:g} was asked for"
         found = [f"no claim: the best found meets {PERCENT * wanted:.3g} % with {probability}, and {asked}:"]
-    found += [f"  {path[-1]} {_shown(value)}" for path, value in design.values.items()]
+    found += [f"  {line}" for line in _values(design)]
     least = verified.least
     found.append(
         f"  particles {1e3 * design.mass:.4g} g; least damping over the range {PERCENT * least.least:.3g} % (95 %: "
@@ -47,7 +49,7 @@ def lines(answer) -> list[str]:
         found.append(f"  {verified.drives.frequency[of][0]:.4g} Hz: {curve}")
     found += _tolerances(answer.sensitivity)
     for k, one in enumerate(answer.runners_up, 1):
-        values = ", ".join(f"{path[-1]} {_shown(value)}" for path, value in one.design.values.items())
+        values = ", ".join(_values(one.design))
         found.append(
             f"runner-up {k}: {1e3 * one.design.mass:.4g} g, least {PERCENT * one.least:.3g} %, "
             f"P {one.probability:.2f} (not simulated again): {values}"
@@ -61,8 +63,10 @@ def _tolerances(sensitivity) -> list[str]:
         return []
     found = [f"with all of these anywhere in their ranges the target is met with P = {sensitivity.probability:.3f}:"]
     found += [
-        f"  {one.name} {_shown(one.value)}, range {_shown(one.range[0])} to {_shown(one.range[1])}: "
-        f"the claim holds from {_shown(one.kept[0])} to {_shown(one.kept[1])}"
+        "  {} {}, range {} to {}: the claim holds from {} to {}".format(
+            one.name,
+            *(quantity(value, unit_of(tuple(one.name.split(".")))) for value in (one.value, *one.range, *one.kept)),
+        )
         for one in sensitivity.tolerances
     ]
     return [*found, *map("  {}".format, left_out(sensitivity))]
@@ -81,8 +85,21 @@ def left_out(sensitivity) -> list[str]:
     return found
 
 
-def _shown(value) -> str:
-    return value if isinstance(value, str) else f"{value:.4g}"
+def _values(design) -> list[str]:
+    """What was chosen, each scalar with its name and unit."""
+    return [f"{path[-1]} {quantity(value, unit_of(path))}" for path, value in design.values.items()]
+
+
+READABLE = {"m": (1e3, "mm"), "kg": (1e3, "g"), "1": (1.0, "")}
+"""Factor and unit as shown, by the unit in SI."""
+
+
+def quantity(value, unit: str | None) -> str:
+    """A value in SI with its unit, in the one in which people write it."""
+    if isinstance(value, str):
+        return value
+    factor, shown = READABLE.get(unit or "", (1.0, unit or ""))
+    return f"{factor * float(value):.4g} {shown}".rstrip()
 
 
 def picture(answer) -> Figure:

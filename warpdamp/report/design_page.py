@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .design import quantity
 from .offline import as_json, page, write_page
 from .report_page import MOST_BYTES, versions_of
 
@@ -14,9 +15,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SCRIPTS = ("chart.js", "design.js")
-
-READABLE = {"m": (1e3, "mm"), "kg": (1e3, "g"), "1": (1.0, "")}
-"""Factor and unit as shown, by the unit of a Dataset."""
 
 OVER = {"gamma": ("Γ", ""), "force": ("a force at the damper of", " N"), "base": ("a base's acceleration of", " m/s²")}
 """Range of a target in words, and its unit."""
@@ -75,14 +73,6 @@ def _chosen(dataset: xr.Dataset) -> list[str]:
     return [str(name) for name, column in dataset.data_vars.items() if "configuration_key" in column.attrs]
 
 
-def _quantity(value, unit: str) -> str:
-    """A value with its unit, in the one in which people write it."""
-    if isinstance(value, str):
-        return value
-    factor, shown = READABLE.get(unit, (1.0, unit))
-    return f"{factor * float(value):.4g} {shown}".rstrip()
-
-
 def _percent(value) -> str:
     return f"{100 * float(value):.3g} %"
 
@@ -116,7 +106,7 @@ def _question(dataset: xr.Dataset) -> str:
 
 def _answers(dataset: xr.Dataset) -> list[str]:
     values = ", ".join(f"{name} {value}" for name, value in _values(dataset, 0))
-    mass = _quantity(dataset["particle_mass"][0], "kg")
+    mass = quantity(dataset["particle_mass"][0], "kg")
     found = [f"{values}; particles of {mass}.", f"Least damping over the range: {_with_interval(dataset, 0)}."]
     if "target_damping" in dataset and int(dataset["claimed"]):
         return [f"The target is met with {_probability(dataset)}.", *found]
@@ -129,14 +119,12 @@ def _answers(dataset: xr.Dataset) -> list[str]:
 def _values(dataset: xr.Dataset, k: int) -> list[tuple[str, str]]:
     """Names and values of the scalars of a design."""
     columns = [dataset[name] for name in _chosen(dataset)]
-    return [
-        (column.attrs["long_name"], _quantity(column.values[k].item(), column.attrs["units"])) for column in columns
-    ]
+    return [(column.attrs["long_name"], quantity(column.values[k].item(), column.attrs["units"])) for column in columns]
 
 
 def _damper(dataset: xr.Dataset) -> list[tuple[str, str]]:
     """The damper chosen, as named values."""
-    rows = [*_values(dataset, 0), ("mass of the particles", _quantity(dataset["particle_mass"][0], "kg"))]
+    rows = [*_values(dataset, 0), ("mass of the particles", quantity(dataset["particle_mass"][0], "kg"))]
     rows.append(("least damping over the range (95 % interval)", _with_interval(dataset, 0)))
     rows.append(("force of the particles on the structure, at most", f"{float(dataset['force'][0]):.3g} N"))
     if "target_probability" in dataset:
@@ -174,7 +162,7 @@ def _tolerance_table(dataset: xr.Dataset) -> dict:
     for k, name in enumerate(dataset["tolerance"].values):
         unit = str(dataset["tolerance_unit"].values[k])
         value, low, high, first, last = (
-            _quantity(dataset[column][k], unit)
+            quantity(dataset[column][k], unit)
             for column in ("tolerance_value", "tolerance_low", "tolerance_high", "kept_low", "kept_high")
         )
         rows.append([name, value, f"{low} to {high}", f"{first} to {last}"])
@@ -194,7 +182,7 @@ def _design_table(dataset: xr.Dataset) -> dict:
     rows = []
     for k, role in enumerate(dataset["role"].values):
         own = [value for _, value in _values(dataset, k)]
-        mass, chance = _quantity(dataset["particle_mass"][k], "kg"), f"{float(dataset['probability'][k]):.3f}"
+        mass, chance = quantity(dataset["particle_mass"][k], "kg"), f"{float(dataset['probability'][k]):.3f}"
         rows.append([role, *own, mass, _with_interval(dataset, k), *[chance] * probable])
     return {"design_heads": heads, "designs": rows}
 
