@@ -133,9 +133,13 @@ def read(path: Path, *, coupled: bool = False) -> xr.Dataset:
     with netcdf_errors(path):
         dataset = xr.load_dataset(path)
     if "effectiveness" not in dataset and not (coupled and is_coupled(dataset)):
-        what = next((what for name, what in OTHERS.items() if name in dataset), "is not a results file of warpdamp")
-        raise UsageError(f"{path}: {what} (it has no effectiveness)")
+        raise UsageError(f"{path}: {kind_of(dataset)} (it has no effectiveness)")
     return dataset
+
+
+def kind_of(dataset: xr.Dataset) -> str:
+    """Sentence on what a file is that is no results of a study."""
+    return next((what for name, what in OTHERS.items() if name in dataset), "is not a results file of warpdamp")
 
 
 OTHERS = {
