@@ -6,7 +6,7 @@ import pytest
 
 from warpdamp import ConfigError, load
 from warpdamp.config.plausible import LIMITS, refusal
-from warpdamp.config.reading import resolved_yaml
+from warpdamp.config.reading import IN_SI, resolved_yaml
 from warpdamp.config.study import Config
 
 STUDY = """
@@ -95,10 +95,10 @@ def test_extremes_that_exist_are_taken(write, old, new):
 def test_what_was_read_with_its_unit_is_read_again_without_it(write):
     """As configurations in results, and those of sweeps, are."""
     config = load(write(STUDY.replace("density: 920 kg/m^3", "density: 15 kg/m^3")))
-    again = write(resolved_yaml(config))
     with pytest.raises(ConfigError, match="15 without a unit"):  # a person's file is asked
-        load(again)
-    assert Config.model_validate(config.model_dump()).materials["pmma"].density == 15  # a program's is not
+        load(write(resolved_yaml(config)))
+    assert load(write(IN_SI + resolved_yaml(config))).materials["pmma"].density == 15  # a program's says what it is
+    assert Config.model_validate(config.model_dump()).materials["pmma"].density == 15
 
 
 def test_a_table_of_a_sweep_is_looked_at_too(write, tmp_path):
