@@ -52,7 +52,9 @@ def test_cases_that_cost_nearly_the_same_at_the_least_are_told_apart(plan):
     others = numbers[(numbers // 3 % 2 == 1) & (numbers % 3 > 0)]
     estimate.finished(others, takes[others])
     done = np.union1d(first, others)
-    assert estimate.share == pytest.approx(takes[done].sum() / takes.sum(), rel=0.01)  # neighbours have a thousandth of the weight
+    assert estimate.share == pytest.approx(
+        takes[done].sum() / takes.sum(), rel=0.01
+    )  # neighbours have a thousandth of the weight
 
 
 def test_cases_that_could_not_be_run_say_nothing_of_the_others(plan):
