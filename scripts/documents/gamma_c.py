@@ -237,8 +237,9 @@ def cause_section(runs: xr.Dataset, motions: xr.Dataset, clearance: float) -> li
         "the wall recedes before its push has gone through the bed.",
         f"- From 0.95 to 1.1 times the block's Gamma the momentum rises from ({span(below['momentum'])}) to "
         f"({span(near['momentum'])}), while pushes that come early take the middle's factor from "
-        f"({span(below['middle'])}) to ({span(near['middle'])}) only.  The higher the frequency, the less of the momentum a bed has at the same "
-        "ratio, as gravity collects it on the floor less: that is why the slope is larger, and not a constant added.",
+        f"({span(below['middle'])}) to ({span(near['middle'])}) only.  The higher the frequency, the less of the "
+        "momentum a bed has at the same ratio, as gravity collects it on the floor less: that is why the slope is "
+        "larger, and not a constant added.",
     ]
 
 
