@@ -16,7 +16,9 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
+from parameters_checks import checks_section
 from parameters_data import DATA, FACTORS, FAST, NEEDS, RESPONSES, SLOW, Factor, cells, nearest, results, shares
+from parameters_lammps import lammps_section
 from parameters_sensitivity import sensitivity_page
 from parameters_statements import COLLIDED, FLUIDISED, NAMES, percent
 from parameters_statements import rows as statement_rows
@@ -34,9 +36,11 @@ STUDIES, STORE = ROOT / "configs" / "studies", ROOT / "results" / "parameters"
 COMMAND = "python scripts/documents/parameters.py"
 MOVING, RESIDUAL = 0.05, 0.005
 LIMITS = (
-    "## Range\n\nThe paper's damper; 40 cycles in mode 1, 96 in modes 3 and 5; 12 steps a contact; levels and "
-    "amplitudes of the studies' files.  Beds that are made anew for every arm (clearance, depth, size) are paired in "
-    "name only.  What wears, dust and electric charge do is not modelled."
+    "## Range\n\nThe paper's damper, 120 particles in a cavity of 40 mm; 32 cycles and 24 steps a contact at 39.5 Hz, "
+    "96 cycles and 18 steps at 280 Hz, 96 and 16 at 730 Hz; levels and amplitudes of the studies' files; spheroids as "
+    "docs/sphericity.md says.  Beds that are made anew for every arm (clearance, depth, size, shape) are paired in "
+    "name only: their packings differ as those of two dampers do.  A cell is of one frequency, and its effect of the "
+    "levels that have the optimum.  What wears, dust and electric charge do is not modelled."
 )
 ORDER = (
     "friction", "restitution", "modulus", "shear_resistance", "frequency", "density", "gravity", "orientation_90",
@@ -93,6 +97,8 @@ def number(cell: xr.Dataset | None, factor: Factor) -> str:
 
 def not_run(factor: Factor) -> str:
     """What to run for a factor."""
+    if factor.study == "sphericity":
+        return "fewer than three packings: `python scripts/documents/sphericity.py simulate`"
     needed = {"orientation": "gravity orientation_45 orientation_90"}.get(factor.study, factor.study)
     return f"not run: `{COMMAND} simulate {needed}`"
 
@@ -102,6 +108,8 @@ def verdict(cell: xr.Dataset | None) -> str:
     if cell is None:
         return "not run"
     word = str(cell["verdict"].item())
+    if word == Verdict.NONE:
+        return word
     if word == Verdict.NOT_AFFECTED:
         ends = max(abs(float(cell[f"change_{end}"])) for end in ("low", "high"))
         return f"not affected within {100 * ends:.1f} %"
@@ -147,10 +155,6 @@ def table_rows():
                 "" if cell is None or not np.isfinite(cell["p_value"]) else f"{adjusted()[factor.title, response]:.2g}",
                 words, agreement(cell, expected),
             )  # fmt: skip
-    for response, words in zip(
-        RESPONSES, ("uncertain, none", "uncertain, none", "higher", "not affected"), strict=True
-    ):
-        yield "Sphericity", NAMES[response], "not run here", "docs/sphericity.md", "", words, ""
 
 
 @cache
@@ -168,8 +172,8 @@ def summary() -> str:
     sure = [c for c in every if c is not None and str(c["verdict"].item()) in (Verdict.HIGHER, Verdict.LOWER)]
     known = {key for key, p in adjusted().items() if p < 0.05}
     return (
-        f"{len(run)} of 48 cells from these studies: {counts}.  Of the {len(sure)} that are higher or lower "
-        f"{len(known)} are so by Holm's rule over all cells as well; four packings are few."
+        f"{len(run)} of 48 cells have a verdict: {counts}.  Of the {len(sure)} that are higher or lower {len(known)} "
+        "are so by Holm's rule over all cells as well."
     )
 
 
@@ -198,32 +202,46 @@ def factor_page(factor: Factor) -> str:
     if runs is None:
         return f"### {factor.title}\n\n{not_run(factor)}."
     lines = [f"### {factor.title}", ""]
-    found = [cell for cell in cells(factor) if cell is not None]
-    levels = found[0]["level"][factor.key].values
-    rows = []
-    for value in levels:
-        optima = []
-        for cell in found:
-            if value not in cell["level"][factor.key].values:
-                optima.append("-")
-                continue
-            k = int(np.flatnonzero(cell["level"][factor.key].values == value)[0])
-            top, error = (float(cell[name].values[k]) for name in ("level", "level_standard_error"))
-            optima.append(f"{top:.3g} ± {error:.2g}" if np.isfinite(top) else "-")
-        rows.append([f"{factor.shown * value:.4g}", *optima])
-    lines.append(table([f"{factor.title} [{factor.unit or '1'}]", *(NAMES[r] for r in RESPONSES)], rows))
+    columns = [level_column(factor, cell) for cell in cells(factor)]
+    labels = sorted({value for column in columns for value in column})
+    rows = [[f"{value:.4g}", *(column.get(value, "-") for column in columns)] for value in labels]
+    lines.append(table([first_column(factor), *(NAMES[r] for r in RESPONSES)], rows))
     tests = [
-        f"{NAMES[r]}: monotony p {float(c['p_monotony']):.2g}, straightness p {float(c['p_straight']):.2g}, standard "
-        f"error {100 * float(c['paired_standard_error']):.1f} % paired, "
-        f"{100 * float(c['unpaired_standard_error']):.1f} % unpaired"
+        f"{NAMES[r]}: {against_monotony(c)}, straightness p {float(c['p_straight']):.2g}, standard error "
+        f"{100 * float(c['paired_standard_error']):.1f} % paired, {100 * float(c['unpaired_standard_error']):.1f} % "
+        "unpaired"
         for r, c in zip(RESPONSES, cells(factor), strict=True)
         if c is not None and np.isfinite(c["effect"])
     ]
     lines += ["", "; ".join(tests) + "."] if tests else []
-    if factor.study != "frequency":
+    if factor.study == "sphericity":
+        lines += ["", "Where the clearance of each shape comes in is in [sphericity.md](sphericity.md)."]
+    elif factor.study != "frequency":
         for frequency, gamma in ((FAST, FLUIDISED), (SLOW, COLLIDED)):
             lines += ["", mechanism(factor, runs, frequency, gamma)]
     return "\n".join(lines)
+
+
+def first_column(factor: Factor) -> str:
+    """Heading of the levels."""
+    return "aspect" if factor.study == "sphericity" else f"{factor.title} [{factor.unit or '1'}]"
+
+
+def level_column(factor: Factor, cell: xr.Dataset | None) -> dict[float, str]:
+    """One response level by level, with its own standard error."""
+    if cell is None:
+        return {}
+    shown = cell["aspect"] if factor.study == "sphericity" else factor.shown * cell[factor.key]
+    values = zip(shown.values.tolist(), cell["level"].values, cell["level_standard_error"].values, strict=True)
+    return {value: f"{top:.3g} ± {error:.2g}" if np.isfinite(top) else "none" for value, top, error in values}
+
+
+def against_monotony(cell: xr.Dataset) -> str:
+    """What speaks against a response that only rises, or only falls."""
+    p = float(cell["p_monotony"])
+    if cell["level"].notnull().sum() < 3:
+        return "two levels"
+    return "no step against the slope" if p >= 1 else f"largest step against the slope p {p:.2g}"
 
 
 def mechanism(factor: Factor, runs: xr.Dataset, frequency: float, gamma: float) -> str:
@@ -241,7 +259,7 @@ def mechanism(factor: Factor, runs: xr.Dataset, frequency: float, gamma: float) 
         other = (float(a.isel({dim: k})) for a in (eps, after, lid))
         rows.append([f"{factor.shown * value:.4g}", *own, *(f"{v:.3g}" for v in other)])
     heading = [
-        f"{factor.title} [{factor.unit or '1'}]",
+        first_column(factor),
         *(f"{kind} / loss" for kind in part),
         "ε",
         "clearance after [mm]",
@@ -308,15 +326,21 @@ def document() -> None:
         "## Figures 15 to 18",
         *pictures(),
         "## Factor by factor",
-        "Optima by level with their own standard errors, tests of monotony and of straightness, and where the energy "
-        "goes (dashpots normal and tangential; friction: slip and what contacts give up of their memory).",
+        "Optima by level with their own standard errors (none: no maximum stands out; -: not run there), and where the "
+        "energy goes (dashpots normal and tangential; friction: slip and what contacts give up of their memory).  The "
+        "test of monotony asks what speaks against a response that only rises or only falls: the one-sided p of the "
+        "step between neighbouring levels that goes most clearly against the slope, times the number of steps; small "
+        "means not monotonic, and 1 that no step goes against it surely.  The p of straightness is that of a bend "
+        "as large as this one if the logarithms lie on a straight line: small means bent.",
         *(factor_page(factor) for factor in FACTORS),
+        "## Checks",
+        *checks_section(),
+        *lammps_section(),
         *sensitivity_page(),
         "## What it cost",
         "Core-seconds of advancing cases; beds and clearances are beside.  Each part goes on where it was left: "
         f"`{COMMAND} simulate NAME`.  Residual of the energy ledger: the largest among cases with an effectiveness "
-        f"above {MOVING:g}.  Asked for was {100 * RESIDUAL:g} %, which 12 steps a contact do not reach at 39.5 Hz: "
-        "effects of a percent are not claimed.",
+        f"above {MOVING:g}; asked for was {100 * RESIDUAL:g} %.",
         table(["study", "cases", "packings", "core-seconds", "residual", "state"], cost_rows()),
         LIMITS,
     )

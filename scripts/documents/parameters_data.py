@@ -7,16 +7,21 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
+from scipy.stats import t
 from shared import DOCS
 
 import warpdamp.accessor  # noqa: F401  gives datasets their ``damper``
 from warpdamp.analysis.effects import RESPONSES, effect_of
 
 DATA = DOCS / "parameters"
-SLOW, FAST = 39.5, 280.0
-"""Frequencies [Hz] at which the optima of collision and of fluidisation stand alone: modes 1 and 3 of the beam."""
+SLOW, FAST, FASTEST = 39.5, 280.0, 730.0
+"""Frequencies [Hz] of modes 1, 3 and 5 of the beam: the optimum of collision stands alone at the first, that of
+fluidisation at the second."""
 
 NOT_RUN = -1
+
+BESIDE = ("case", "fewest_cycles", "most_cycles", "steps_per_contact")
+"""Coordinates that change with the frequency and are not of interest."""
 
 DEAR = {"modulus": ("modulus_stiff", "youngs_modulus"), "restitution": ("restitution_low", "restitution")}
 """Studies, and the levels of theirs that take several times the steps and are files of their own."""
@@ -79,15 +84,22 @@ FACTORS = (
         ("not affected", "slightly higher", "uncertain, not affected", "slightly higher"), (SAME, UP, OPEN, UP),
     ),
     Factor("Friction", "friction", "friction", "", ("inconsistent results",) * 4, (OPEN,) * 4),
+    Factor(
+        "Sphericity (over \\|ln aspect\\|)", "sphericity", "elongation", "",
+        ("uncertain, none", "uncertain, none", "higher", "not affected"), (OPEN, OPEN, UP, SAME),
+    ),
 )  # fmt: skip
-"""Rows of Table 1 but for sphericity, of which docs/sphericity.md is."""
+"""Rows of Table 1; what says "higher" of sphericity rises as particles are less like spheres."""
+
+FEWEST_PACKINGS = 3
+"""Packings from which on effects are had."""
 
 
 @cache
 def results(study: str) -> xr.Dataset | None:
     """Results of a study on (gamma, frequency, factor, seed); None if it was not run."""
-    if study == "orientation":
-        return _orientation()
+    if study in OWN:
+        return OWN[study]()
     path = DATA / f"{study}.nc"
     if not path.exists():
         return None
@@ -109,8 +121,29 @@ def _orientation() -> xr.Dataset | None:
     if any(part is None for part in parts):
         return None
     upright = parts[0].sel(gravity=9.81, drop=True)
-    together = xr.concat([upright, *parts[1:]], "angle", combine_attrs="override", coords="minimal", compat="override")
+    together = xr.concat(
+        [upright, *parts[1:]], "angle", join="outer", combine_attrs="override", coords="minimal", compat="override"
+    )
     return together.assign_coords(angle=("angle", [0.0, 45.0, 90.0], {"units": "degrees"}))
+
+
+def _shapes() -> xr.Dataset | None:
+    """Spheroids of docs/sphericity.nc over |ln aspect|, their modes named by the frequencies of the studies here."""
+    path = DOCS / "sphericity.nc"
+    if not path.exists():
+        return None
+    runs = xr.load_dataset(path)
+    runs = runs.sel(seed=runs["effectiveness"].notnull().any(["mode", "gamma"]).all("aspect"))
+    if runs.sizes["seed"] < FEWEST_PACKINGS:
+        return None
+    runs = runs.sel(mode=[1, 3, 5]).assign_coords(mode=[SLOW, FAST, FASTEST]).rename(mode="frequency")
+    elongation = ("aspect", np.abs(np.log(runs["aspect"].values)), {"units": "1"})
+    runs["status"] = runs["status"].fillna(NOT_RUN)
+    return runs.assign_coords(elongation=elongation)
+
+
+OWN = {"orientation": _orientation, "sphericity": _shapes}
+"""Studies whose results are put together from other files."""
 
 
 def on_frequencies(dataset: xr.Dataset) -> xr.Dataset:
@@ -118,7 +151,7 @@ def on_frequencies(dataset: xr.Dataset) -> xr.Dataset:
     if "case" not in dataset.dims:
         return dataset
     about = {name: dict(dataset[name].attrs) for name in dataset.coords}
-    dataset = dataset.drop_vars(["case", "fewest_cycles", "most_cycles"], errors="ignore")
+    dataset = dataset.drop_vars(BESIDE, errors="ignore")
     others = [str(n) for n, c in dataset.coords.items() if c.dims == ("case",) and n != "frequency"]
     if not others:
         return dataset.swap_dims(case="frequency")
@@ -183,17 +216,45 @@ def nearest(dataset: xr.Dataset, frequency: float, gamma: float) -> xr.Dataset:
 
 def shares(at: xr.Dataset) -> dict[str, xr.DataArray]:
     """Parts of the loss by mechanism, mean over packings: dashpots, friction, rolling, and all of it at walls."""
-    kinds = {
-        "dashpots": ("normal_dashpot", "tangential_dashpot"),
-        "friction": ("slip", "history"),
-        "rolling": ("rolling",),
-    }
+    whole = sum(_loss(at, channels).mean("seed") for channels in KINDS.values())
+    own = {kind: _loss(at, channels).mean("seed") / whole for kind, channels in KINDS.items()}
+    every = [channel for channels in KINDS.values() for channel in channels]
+    return own | {"walls": _loss(at, every, ("wall",)).mean("seed") / whole}
 
-    def total(places, channels):
-        names = [f"{place}_{channel}_loss" for place in places for channel in channels]
-        return sum(at[name] for name in names if name in at).mean("seed")
 
-    every = [channel for channels in kinds.values() for channel in channels]
-    whole = total(("particle", "wall"), every)
-    own = {kind: total(("particle", "wall"), channels) / whole for kind, channels in kinds.items()}
-    return own | {"walls": total(("wall",), every) / whole}
+KINDS = {
+    "dashpots": ("normal_dashpot", "tangential_dashpot"),
+    "friction": ("slip", "history"),
+    "rolling": ("rolling",),
+}
+"""Mechanisms, and the channels of the ledger that they are."""
+
+
+def _loss(at: xr.Dataset, channels, places=("particle", "wall")) -> xr.DataArray:
+    names = [f"{place}_{channel}_loss" for place in places for channel in channels]
+    return sum(at[name] for name in names if name in at)
+
+
+def losses(at: xr.Dataset, kind: str) -> xr.DataArray:
+    """Loss by one mechanism in parts of the ideal damper, packing by packing."""
+    whole = sum(_loss(at, channels) for channels in KINDS.values())
+    return _loss(at, KINDS[kind]) / whole * at["effectiveness"]
+
+
+def change_of(logs) -> tuple[float, float, float]:
+    """Relative change of which ``logs`` are the logarithms by packing: its mean and the ends of its 95 % interval."""
+    mean, width = _mean_and_width(logs)
+    return tuple(float(np.expm1(mean + end)) for end in (0.0, -width, width))
+
+
+def difference_of(values) -> tuple[float, float, float]:
+    """Mean of differences by packing, and the ends of its 95 % interval."""
+    mean, width = _mean_and_width(values)
+    return mean, mean - width, mean + width
+
+
+def _mean_and_width(values) -> tuple[float, float]:
+    values = np.asarray(values, float)
+    values = values[np.isfinite(values)]
+    n = len(values)
+    return float(values.mean()), float(t.ppf(0.975, n - 1) * values.std(ddof=1) / np.sqrt(n))

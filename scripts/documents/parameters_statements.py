@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 
 import numpy as np
-from parameters_data import FAST, SLOW, effects, nearest, results, shares
+from parameters_checks import density_exponents, density_words, louder, resonances
+from parameters_data import FAST, SLOW, change_of, difference_of, effects, losses, nearest, results, shares
+from parameters_shapes import beyond, denser, fluidised, higher, known
 from shared import DOCS
 
 from warpdamp.numerics.regression import straight_line
@@ -67,18 +69,12 @@ def curves(study: str, key: str, where) -> list[tuple[float, float, float, float
 
 
 def proportional() -> tuple[str, str]:
-    """Damping over the particles' mass: the exponent is one plus that of the effectiveness."""
-    if effects("density", "density") is None:
+    """Damping over the particles' mass, at amplitudes at which the regime does not change with it."""
+    found = density_exponents()
+    if not found:
         return OPEN, ""
-    rows = [row for row in curves("density", "density", lambda f, gamma: gamma >= 1.4)]
-    exponents = {f: [1 + np.log2(1 + r[2]) for r in rows if r[0] == f] for f in sorted({r[0] for r in rows})}
-    off = sum(not r[3] <= 0 <= r[4] for r in rows)
-    words = "; ".join(f"{f:g} Hz {np.mean(v):.3f} (Γ by Γ {min(v):.3f} to {max(v):.3f})" for f, v in exponents.items())
-    near = max(abs(np.mean(v) - 1) for v in exponents.values()) < 0.02
-    return (
-        HOLDS if near else IN_PART,
-        f"exponent of the damping over the density from Γ 1.4 on: {words}; {off} of {len(rows)} intervals leave out 1",
-    )
+    state = HOLDS if all(e.one for e in found) else IN_PART
+    return state, "exponent of the damping over the density: " + "; ".join(density_words())
 
 
 def alike_when_stiff() -> tuple[str, str]:
@@ -89,42 +85,46 @@ def alike_when_stiff() -> tuple[str, str]:
     if found.sizes["youngs_modulus"] < 5:
         return OPEN, "x100 (modulus_stiff) was not run"
     words, right = [], []
+    times = found["youngs_modulus"].values / 3.3e9
     for response, f in (("gamma_fluidisation", FAST), ("gamma_collision", SLOW)):
-        level = found["level"].sel(response=response, frequency=f).values
-        soft, stiff = level[1] / level[0] - 1, level[-1] / level[-2] - 1
-        if np.isfinite([soft, stiff]).all():
-            right.append(abs(stiff) < abs(soft))
-            times = found["youngs_modulus"].values / 3.3e9
-            change = f"{100 * soft:+.0f} % from x{times[0]:g} to x{times[1]:g}, "
-            change += f"{100 * stiff:+.0f} % from x{times[-2]:g} to x{times[-1]:g}"
-            words.append(f"{NAMES[response]} {change}")
+        at = found.sel(response=response, frequency=f)
+        level, error = at["level"].values, at["level_standard_error"].values
+        steps = [k for k in range(1, level.size) if np.isfinite(level[k - 1 : k + 1]).all()]
+        rise = [level[k] / level[k - 1] - 1 for k in steps]
+        spread = [np.hypot(*(error[k - 1 : k + 1] / level[k - 1 : k + 1])) for k in steps]
+        if len(steps) > 1 and steps[-1] == level.size - 1:
+            right.append(abs(rise[-1]) < abs(rise[0]) and abs(rise[-1]) < 2 * spread[-1])
+        changes = ", ".join(
+            f"{100 * r:+.0f} ± {100 * s:.0f} % to x{times[k]:g}" for r, s, k in zip(rise, spread, steps, strict=True)
+        )
+        words.append(f"{NAMES[response]} by tenfold modulus: {changes}")
     return (HOLDS if right and all(right) else IN_PART if any(right) else NOT), "; ".join(words)
 
 
-def share_over(study: str, key: str, kind: str, frequency: float, gamma: float) -> str:
-    """Part of a mechanism at the lowest and the highest level, and the effectiveness there."""
-    at = nearest(results(study), frequency, gamma).sortby(key)
-    part, eps = shares(at)[kind], at["effectiveness"].mean("seed")
-    return ", ".join(
-        f"{float(part.isel({part.dims[0]: k})):.2f} of ε {float(eps.isel({part.dims[0]: k})):.3f}" for k in (0, -1)
-    )
-
-
 def dashpots_when_soft() -> tuple[str, str]:
-    """Whether dashpots take more where the modulus is low."""
+    """Whether dashpots take more where the modulus is low, packing by packing."""
     if results("modulus") is None:
         return OPEN, ""
     words, right = [], []
     for f, gamma in ((FAST, FLUIDISED), (SLOW, COLLIDED)):
         at = nearest(results("modulus"), f, gamma).sortby("youngs_modulus")
-        lost = (shares(at)["dashpots"] * at["effectiveness"].mean("seed")).values
-        right.append(lost[0] > lost[-1])
+        lost = losses(at, "dashpots").transpose("youngs_modulus", "seed").values
+        more = difference_of(lost[0] - lost[-1])
+        right.append(more[1] > 0)
         ends = at["youngs_modulus"].values[[0, -1]] / 3.3e9
-        where = f"{f:g} Hz, Γ {float(at['gamma']):g}"
-        words.append(f"{where}: dashpots {lost[0]:.3f} at x{ends[0]:g}, {lost[-1]:.3f} at x{ends[1]:g}")
-    return (HOLDS if all(right) else IN_PART if any(right) else NOT), "; ".join(
-        words
-    ) + " (in parts of the ideal damper)"
+        words.append(
+            f"{f:g} Hz, Γ {float(at['gamma']):g}: dashpots {np.nanmean(lost[0]):.3f} at x{ends[0]:g}, "
+            f"{np.nanmean(lost[-1]):.3f} at x{ends[1]:g}, difference {parts(more)}"
+        )
+    return (HOLDS if all(right) else IN_PART if any(right) else NOT), "; ".join(words) + IDEAL
+
+
+IDEAL = " (in parts of the ideal damper)"
+
+
+def parts(ends: tuple[float, float, float]) -> str:
+    """A difference with its interval."""
+    return "{:+.3f} ({:+.3f} to {:+.3f})".format(*ends)
 
 
 def friction_is_chief(study: str = "restitution", key: str = "restitution") -> tuple[str, str]:
@@ -142,18 +142,35 @@ def friction_is_chief(study: str = "restitution", key: str = "restitution") -> t
 
 
 def more_friction_by_restitution() -> tuple[str, str]:
-    """Whether the loss by friction rises with the restitution at the optimum of collision."""
+    """Whether the loss by friction rises with the restitution at the optimum of collision, packing by packing."""
     if results("restitution") is None:
         return OPEN, ""
     at = nearest(results("restitution"), SLOW, COLLIDED).sortby("restitution")
-    eps = at["effectiveness"].mean("seed")
-    part = shares(at)
-    friction, dashpots = ((part[kind] * eps).values for kind in ("friction", "dashpots"))
+    friction, dashpots = (losses(at, kind).transpose("restitution", "seed").values for kind in ("friction", "dashpots"))
     words = "; ".join(
-        f"e {e:g}: friction {a:.3f}, dashpots {b:.3f}"
+        f"e {e:g}: friction {np.nanmean(a):.3f}, dashpots {np.nanmean(b):.3f}"
         for e, a, b in zip(at["restitution"].values, friction, dashpots, strict=True)
     )
-    return (HOLDS if friction[-1] > friction[0] else NOT), words + " (in parts of the ideal damper)"
+    more = difference_of(friction[-1] - friction[0])
+    return (HOLDS if more[1] > 0 else NOT), f"{words}; friction from end to end {parts(more)}" + IDEAL
+
+
+def less_transport() -> tuple[str, str]:
+    """Whether friction keeps particles in place, above the optimum of fluidisation."""
+    if results("friction") is None:
+        return OPEN, ""
+    words, right = [], []
+    for gamma in (2.0, 4.0):
+        at = nearest(results("friction"), FAST, gamma).sortby("friction")
+        moved = (at["cycle_displacement"] / at["displacement"]).transpose("friction", "seed").values
+        change = change_of(np.log(moved[-1] / moved[1]))
+        right.append(change[2] < 0)
+        mu = at["friction"].values
+        words.append(f"Γ {float(at['gamma']):g}, friction {mu[1]:g} to {mu[-1]:g}: {percent(*change)}")
+    return (
+        HOLDS if all(right) else IN_PART if any(right) else NOT,
+        "how far particles are from where they began a cycle, 280 Hz: " + "; ".join(words),
+    )
 
 
 def friction_towards_convection() -> tuple[str, str]:
@@ -169,17 +186,17 @@ def friction_towards_convection() -> tuple[str, str]:
 
 
 def friction_at_collision() -> tuple[str, str]:
-    """Levels of the height of collision over friction."""
-    found = effects("friction", "friction")
-    if found is None:
+    """Effectiveness near the optimum of collision, of little and of much friction against that of the paper's 0.86."""
+    if results("friction") is None:
         return OPEN, ""
-    level = found["level"].sel(response="effectiveness_collision", frequency=SLOW)
-    at = nearest(results("friction"), SLOW, COLLIDED).sortby("friction")["effectiveness"].mean("seed")
-    shown = ", ".join(f"{mu:g}: {value:.3f}" for mu, value in zip(level["friction"].values, level.values, strict=True))
-    fixed = ", ".join(f"{mu:g}: {value:.3f}" for mu, value in zip(at["friction"].values, at.values, strict=True))
-    low, high = at.values[0] < at.sel(friction=0.86), at.values[-1] > at.sel(friction=0.86)
-    words = f"ε_c by friction {shown}; ε at Γ {float(at['gamma']):g} {fixed}"
-    return (HOLDS if low and high else IN_PART if low or high else NOT), words
+    at = nearest(results("friction"), SLOW, COLLIDED).sortby("friction")
+    eps = np.log(at["effectiveness"].transpose("friction", "seed"))
+    changes = {float(mu): change_of((eps.sel(friction=mu) - eps.sel(friction=0.86)).values) for mu in eps["friction"]}
+    words = ", ".join(f"{mu:g}: {percent(*change)}" for mu, change in changes.items() if mu != 0.86)
+    little, much = changes[0.2], changes[1.2]
+    right = little[2] < 0, much[1] > 0
+    state = HOLDS if all(right) else IN_PART if any(right) else NOT
+    return state, f"ε at Γ {float(at['gamma']):g} against friction 0.86, by friction {words}"
 
 
 def fluidisation_line() -> tuple[str, str]:
@@ -230,6 +247,69 @@ def separately_affected() -> tuple[str, str]:
     return (IN_PART if differ else NOT) if rows else OPEN, text
 
 
+def by_resonance() -> tuple[str, str]:
+    """Whether Gamma_f depends on frequency, modulus, density, depth and gravity as the bed's resonance does."""
+    found, amplified = resonances(), louder()
+    over = effects("frequency", "frequency")
+    if not found:
+        return OPEN, ""
+    off = np.array([r.off for r in found])
+    level, error = (over[n].sel(response="gamma_fluidisation") for n in ("level", "level_standard_error"))
+    below = [
+        f"{f:g} Hz {top:.2f} ± {own:.2f}"
+        for f, top, own in zip(over["frequency"].values, level.values, error.values, strict=True)
+        if top + 2 * own < 1
+    ]
+    loud = [(f, g, ends) for f, g, ends in amplified if ends[1] > 1]
+    alike = float(np.mean(off**2)) < 2 and np.abs(off).max() < 3
+    words = (
+        f"Γ_f of {len(found)} other beds against the line over f h / c: chi^2 {np.mean(off**2):.1f} a bed, at most "
+        f"{np.abs(off).max():.1f} standard errors off (below); Γ_f below 1: {', '.join(below) or 'nowhere surely'}; "
+        "apparent over true mass at small amplitudes: "
+        + ", ".join(f"{f:g} Hz, Γ {g:g}: {ends[0]:.2f} ({ends[1]:.2f} to {ends[2]:.2f})" for f, g, ends in amplified)
+    )
+    right = [alike, bool(below), len(loud) > 0]
+    return (HOLDS if all(right) else IN_PART if any(right) else NOT), words
+
+
+def shapes_collide_higher() -> tuple[str, str]:
+    """Spheroids against spheres at the optimum of collision."""
+    if not known():
+        return OPEN, FEW
+    state, words = every("sphericity", "elongation", ("gamma_collision", "higher"))
+    return state, f"{words}; {higher()}"
+
+
+def shapes_pack_denser() -> tuple[str, str]:
+    """Clearances of spheroids, and what they explain."""
+    if not known():
+        return OPEN, FEW
+    right, words = denser()
+    return (HOLDS if right else IN_PART), words
+
+
+def shapes_resist_shear() -> tuple[str, str]:
+    """What the clearance does not explain, and what rolling friction does to spheres."""
+    if not known():
+        return OPEN, FEW
+    above, count, words = beyond()
+    rolling = said("shear_resistance", "rolling_friction", "gamma_collision")[1]
+    state = HOLDS if above == count else IN_PART if above else NOT
+    return state, f"{words}; {above} of {count} above none.  Rolling friction of spheres instead: {rolling}"
+
+
+def shapes_fluidise_alike() -> tuple[str, str]:
+    """Fluidisation of spheroids against spheres."""
+    if not known():
+        return OPEN, FEW
+    state, words = every("sphericity", "elongation", *SAME_FLUIDISATION)
+    unlike, other = fluidised()
+    return (IN_PART if state == HOLDS and unlike else state), f"{words}; {other}"
+
+
+FEW = "docs/sphericity.nc has fewer than three packings of all shapes"
+
+
 def matter_for_fluidisation() -> tuple[str, str]:
     """Depth, modulus and friction on fluidisation."""
     found = [
@@ -262,13 +342,12 @@ def timing_and_shear() -> tuple[str, str]:
 BOTH = ("gamma_fluidisation", "gamma_collision")
 HEIGHTS = ("effectiveness_fluidisation", "effectiveness_collision")
 SAME_FLUIDISATION = (("gamma_fluidisation", "not affected"), ("effectiveness_fluidisation", "not affected"))
-ELSEWHERE = OPEN, "spheres only here: docs/sphericity.md, where it is there, is of spheroids"
 MOTION = "[gamma_c.md](gamma_c.md): in flight the bed is thicker than at rest, and the lid's push comes early"
 STATEMENTS = (
-    ("4.1 a", "Γ_c lies higher for spheroids than for spheres.", lambda: ELSEWHERE),
-    ("4.1 b", "One cause: spheroids pack denser and leave more clearance.", lambda: ELSEWHERE),
-    ("4.1 c", "The other cause: they resist shear more, so that more amplitude is needed.", lambda: ELSEWHERE),
-    ("4.1 d", "Fluidisation does not depend on the shape.", lambda: ELSEWHERE),
+    ("4.1 a", "Γ_c lies higher for spheroids than for spheres.", shapes_collide_higher),
+    ("4.1 b", "One cause: spheroids pack denser and leave more clearance.", shapes_pack_denser),
+    ("4.1 c", "The other cause: they resist shear more, so that more amplitude is needed.", shapes_resist_shear),
+    ("4.1 d", "Fluidisation does not depend on the shape.", shapes_fluidise_alike),
     ("4.2.1 a", "The damping is proportional to the particles' mass in all modes.", proportional),
     (
         "4.2.1 b", "The density hardly moves Γ_c.",
@@ -299,16 +378,14 @@ STATEMENTS = (
     ("4.2.3 c", "Sliding between particles is the chief mechanism.", friction_is_chief),
     ("4.2.3 d", "More restitution means more sliding contacts, more loss by friction.", more_friction_by_restitution),
     ("4.2.4 a", "Friction raises the damping from fluidisation on towards convection.", friction_towards_convection),
+    ("4.2.4 a'", "... likely because it retards the transport of particles.", less_transport),
     ("4.2.4 b", "Round the optimum of collision little friction lowers it, much raises it.", friction_at_collision),
     ("4.2.4 c", "Friction is what dissipates in collision.", lambda: friction_is_chief("friction", "friction")),
     ("4.3 a", "Γ_c is a straight line over f^2, of slope 0.0029, as eq. 20 has it.", collision_line),
     ("4.3 b", "Γ_f is a straight line over f: 3 − 0.0037 f.", fluidisation_line),
     ("4.3 c", "The curve is made of two independent ones, one for each motion.", separately_affected),
     ("4.4.1 a", "Bed depth, compressibility and friction decide fluidisation.", matter_for_fluidisation),
-    (
-        "4.4.1 b", "The frequency comes in by resonance of the bed, which takes Γ_f below 1.",
-        lambda: (OPEN, "no study here is of waves within the bed"),
-    ),
+    ("4.4.1 b", "The frequency may come in by resonance of the bed, which would take Γ_f below 1.", by_resonance),
     (
         "4.4.2 a", "At the optimum the bed meets both walls as a compact body at the largest relative speed.",
         lambda: (IN_PART, MOTION),
