@@ -12,7 +12,7 @@ from shared import DOCS, table
 
 RUNS = DOCS / "parameters_lammps.nc"
 COMMAND = "python scripts/benchmarks/studied.py"
-DISCARDED = {280.0: 16, 39.5: 8}
+DISCARDED = {280.0: 8, 39.5: 4}
 """Cycles left out at the start of a run of LAMMPS, by frequency [Hz]."""
 
 
