@@ -21,11 +21,9 @@ SURELY = (Verdict.HIGHER, Verdict.LOWER)
 
 @dataclass(frozen=True)
 class Exponent:
-    """Exponent of the damping over the density at one frequency, amplitudes at which all levels move alike."""
+    """Exponent of the damping over the density, with the ends of its 95 % interval, and where that is."""
 
-    frequency: float
-    gammas: tuple[float, ...]
-    regime: str
+    where: str
     value: tuple[float, float, float]
 
     @property
@@ -33,39 +31,45 @@ class Exponent:
         """Whether the interval has 1 in it."""
         return self.value[1] <= 1 <= self.value[2]
 
+    def __str__(self):
+        return "{}: {:.3f} ({:.3f} to {:.3f})".format(self.where, *self.value)
+
 
 def density_exponents() -> list[Exponent]:
-    """Slopes of log damping over log density, mean over amplitudes, with 95 % intervals over packings.
+    """Slopes of log damping over log density, at both optima and at fixed amplitudes at which all levels move alike.
 
     The damping is the effectiveness times the particles' mass, so that its exponent is one and that of the
-    effectiveness.  Amplitudes at which a packing's regime changes with the density are left out.
+    effectiveness.
     """
-    runs = results("density")
+    runs, found = results("density"), effects("density", "density")
     if runs is None:
         return []
-    kinds, found = regime(runs), []
+    exponents = []
+    for response, name, frequency in (
+        ("effectiveness_fluidisation", "at Γ_f of each density", FAST),
+        ("effectiveness_collision", "at Γ_c of each density", SLOW),
+    ):
+        cell = found.sel(response=response, frequency=frequency)
+        ends = (1 + np.log2(1 + float(cell[f"effect{end}"])) for end in ("", "_low", "_high"))
+        exponents.append(Exponent(f"{frequency:g} Hz {name}", tuple(ends)))
+    tops = found["level"].sel(response="gamma_fluidisation")
+    kinds = regime(runs)
     x = np.log(runs["density"].values / np.exp(np.log(runs["density"].values).mean()))
     for frequency in runs["frequency"].values:
         kind = kinds.sel(frequency=frequency).transpose("gamma", "density", "seed").values
         eps = runs["effectiveness"].sel(frequency=frequency).transpose("gamma", "density", "seed").values
-        first = kind[:, :1, :1]
-        alike = ((kind == first) & (kind != int(Regime.SOLID)) & np.isfinite(eps)).all(axis=(1, 2))
-        for number in np.unique(first[alike]):
-            own = alike & (first[:, 0, 0] == number)
-            slope = np.tensordot(x, np.log(eps[own]).mean(axis=0), 1) / np.sum(x**2)
-            gammas = tuple(runs["gamma"].values[own].tolist())
-            name = Regime(int(number)).name.lower().replace("_", " ")
-            found.append(Exponent(float(frequency), gammas, name, difference_of(1 + slope)))
-    return found
-
-
-def density_words() -> list[str]:
-    """Exponents, one after the other."""
-    return [
-        f"{e.frequency:g} Hz, {e.regime}, Γ {e.gammas[0]:g}{f' to {e.gammas[-1]:g}' if len(e.gammas) > 1 else ''}: "
-        "{:.3f} ({:.3f} to {:.3f})".format(*e.value)
-        for e in density_exponents()
-    ]
+        collides = kind == int(Regime.TWO_SIDED_COLLISION)
+        alike = np.isfinite(eps).all(axis=(1, 2)) & (collides == collides[:, :1, :1]).all(axis=(1, 2))
+        beyond = runs["gamma"].values > np.nanmax([1.0, *tops.sel(frequency=frequency).values])
+        for own, name in (
+            (alike & collides[:, 0, 0], "in collision"),
+            (alike & beyond & ~collides[:, 0, 0], "above Γ_f"),
+        ):
+            if own.any():
+                slope = np.tensordot(x, np.log(eps[own]).mean(axis=0), 1) / np.sum(x**2)
+                gammas = ", ".join(f"{g:g}" for g in runs["gamma"].values[own])
+                exponents.append(Exponent(f"{frequency:g} Hz {name}, at Γ {gammas}", difference_of(1 + slope)))
+    return exponents
 
 
 def no_gravity() -> list[str]:
@@ -235,17 +239,18 @@ def rules() -> str:
 
 def checks_section() -> list[str]:
     """Blocks of the document."""
-    exponents = density_words()
+    exponents = density_exponents()
     weightless, resonance = no_gravity(), list(resonance_rows())
     blocks = ["### The rules", rules()]
     if exponents:
         blocks += [
             "### Damping over density",
-            "Exponent of the damping over the density, from the slopes of log-log at each amplitude, their mean over "
-            "the amplitudes at which no packing changes its regime with the density, 95 % intervals over packings:",
-            "\n".join(f"- {words}" for words in exponents),
-            "Where 1 is not in an interval the optimum itself moves with the density (Γ_f falls), so that one Γ lies "
-            "at another place of the curve.",
+            "Exponent of the damping over the density, from slopes of log-log with 95 % intervals over packings: of "
+            "the heights of both optima, and at fixed amplitudes, those at which all densities collide with both walls "
+            "and those above all their Γ_f:",
+            "\n".join(f"- {exponent}" for exponent in exponents),
+            "At fixed amplitudes above Γ_f the exponent has a second cause: Γ_f falls with the density, so that a "
+            "heavier bed is further beyond its optimum at the same Γ.",
         ]
     if weightless:
         blocks += [
