@@ -123,6 +123,8 @@ VARIABLES = {
     "window_frequency": ("Hz", "natural frequency of the mode as it answers in that stretch"),
     "window_steady": ("1", "whether the amplitude is that of the stretch before to 2 % (1) or not (0)"),
     "window_damping_ratio": ("1", "damping ratio, inherent and by the damper, of the mode in that stretch"),
+    "predicted_frequency": ("Hz", "natural frequency that the dampers' cards predict at the Gamma of that stretch"),
+    "predicted_damping_ratio": ("1", "damping ratio that the dampers' cards predict at the Gamma of that stretch"),
 }
 
 

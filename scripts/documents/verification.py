@@ -9,7 +9,7 @@ import time
 
 from shared import DOCS, head, panels, table, write_document
 
-from verification import dampers, impacts, invariances, motion, spheroid_collision, spheroids, structures  # noqa: F401
+from verification import dampers, impacts, invariances, motion, predictions, spheroid_collision, spheroids, structures  # noqa: F401
 from verification.suite import CASES
 
 INTRODUCTION = """, which runs every case of `tests/verification/` at full resolution; the test suite

@@ -63,7 +63,7 @@ def test_the_papers_study_is_read_in_si(config_path):
         ("count: 120", "count: true", r"damper.particles.count: .*integer"),
         ("position: 290 mm", "position: 580 mm", r"point_mass.position: is at a clamped end"),
         ("gravity: 9.81 m/s^2", "gravity: 0", r"preparation: a bed cannot be compacted without gravity"),
-        ("  steel:\n", "  rubber: {density: 1, youngs_modulus: 1, poissons_ratio: 0}\n  steel:\n", r"materials.rubber: is not used by anything: leave it out"),
+        ("  steel:\n", "  rubber: {density: 1 kg/m^3, youngs_modulus: 1 Pa, poissons_ratio: 0}\n  steel:\n", r"materials.rubber: is not used by anything: leave it out"),
         ("seeds: [1, 2, 3]", "seeds: [1]\nseeds: [2]", r"not YAML: found duplicate key"),
         ("seeds: [1, 2, 3]", "\tseeds: [1]", r"not YAML: .*; indent with blanks, not with tabs"),
     ],

@@ -85,7 +85,7 @@ def test_a_value_of_ones_own_goes_before_the_librarys(tmp_path):
 
 
 def test_a_name_of_ones_own_hides_the_librarys(tmp_path):
-    own = "materials: {lead: {density: 1, youngs_modulus: 2, poissons_ratio: 0.1}}"
+    own = "materials: {lead: {density: 1 kg/m^3, youngs_modulus: 2 Pa, poissons_ratio: 0.1}}"
     config = study(tmp_path, grain="lead", materials=own, contact="{restitution: 0.5, friction: 0.5}")
     assert config.materials["lead"].density == 1
 

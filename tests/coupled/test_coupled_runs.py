@@ -19,7 +19,7 @@ from warpdamp.coupled.response import averaged
 from warpdamp.coupled.run import planned, simulate
 from warpdamp.errors import ModalError
 from warpdamp.execution.executors import InProcess
-from warpdamp.report.tables import coupled_verdicts
+from warpdamp.report.coupled_verdicts import coupled_verdicts
 from warpdamp.study.explain import explain
 
 HEAVY = """

@@ -1,18 +1,23 @@
 """Coupled runs of several dampers on one structure: closed forms, limits, and one ledger over all."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from conftest import ROOT
-from warpdamp import Batch, Case, ConfigError, Cylinder, State, load
+from warpdamp import Batch, Case, ConfigError, Cylinder, State, load, run
 from warpdamp.analysis.results import read
 from warpdamp.cli.app import app
 from warpdamp.coupled.identify import from_decay
+from warpdamp.coupled.prediction import mode_with_dampers
 from warpdamp.coupled.run import own_seed, planned, simulate
+from warpdamp.errors import UsageError
 from warpdamp.execution.executors import InProcess
+from warpdamp.modal.apparent_mass import ComplexMass
+from warpdamp.modal.card import card, read_card, write_card
 from warpdamp.scene.host import BaseMotion, Force, HostStructure
 from warpdamp.scene.paper import RADIUS
 from warpdamp.study.explain import explain
@@ -252,3 +257,47 @@ def test_the_example_of_two_dampers_runs_coupled(tmp_path):
     assert 0.5 < float(second[0] / first[0]) < 0.54
     text = (tmp_path / "two.yaml").read_text()
     assert "runs: 1 (levels 1, seeds 1) of 0.06 s by release, 2 dampers each" in explain(load(tmp_path / "two.yaml"))
+
+
+def test_a_prediction_is_stored_and_said_beside_what_was_read(write, tmp_path):
+    """`coupled --card`: at every stretch's Gamma, as the mode with both dampers' masses has it; NaN beyond the card."""
+    single = TWO[: TWO.index("dampers:")] + TWO[TWO.index("materials:") :]
+    cases = "seeds: [1, 2]\nsteady_state: {fewest_cycles: 8, most_cycles: 8}\n"
+    part = card(run(load(write(single.replace("gamma: 1", "gamma: [0.5, 1, 1.5]") + cases)), executor="in-process"))
+    write_card(part, tmp_path / "part.csv")
+    file = write(TWO.replace("PHI", "0.1") + "coupled: {duration: 0.5 s, release: {gamma: 2, mode: 1}}\n")
+    command = ["coupled", str(file), "-o", str(tmp_path), "--workers", "1", "--card", str(tmp_path / "part.csv")]
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 0, done.output
+    runs = read(tmp_path / "study-coupled.nc", coupled=True)
+    gamma, found = runs["window_gamma"].values, runs["predicted_damping_ratio"].values
+    felt = ComplexMass.of(part)
+    # the second damper moves 0.1 sqrt(40) = 0.632 times as much as the first, which its card does not know below 0.5
+    known = (gamma * 0.1 * math.sqrt(40) >= 0.5) & (gamma <= 1.5)
+    assert known.any()
+    assert not known.all()
+    assert np.array_equal(np.isfinite(found), known)
+    masses = [felt(40.0, gamma[known] * share) for share in (1, 0.1 * math.sqrt(40))]
+    loaded = (1 + 0.02j) / (1 + masses[0] / 40 + 0.01 * masses[1])
+    np.testing.assert_allclose(found[known], loaded.imag / loaded.real / 2, rtol=1e-6)
+    np.testing.assert_allclose(runs["predicted_frequency"].values[known], 40 * np.sqrt(loaded.real), rtol=1e-9)
+    said = [line for line in done.output.splitlines() if "predicted" in line]
+    assert len(said) == 1
+    assert re.match(r"level 1: at Gamma \S+ to \S+ damping \S+ %, predicted \S+ %; \S+ Hz, predicted \S+ Hz", said[0])
+    assert "damper 2: the card is of another damper than the study describes: particles.count 8" in done.output
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "cards", "message"),
+    [
+        ("damping: 1 %}]", "damping: 1 %}, {frequency: 95 Hz, modal_mass: 20 kg}]", 1, "here are 2 and release"),
+        ("release: {gamma: 2, mode: 1}", "random: {rms: 1 N, from: 20 Hz, to: 80 Hz}", 1, "here are 1 and random"),
+        ("", "", 3, "the structure carries 2 dampers, and the cards are 3"),
+    ],
+)
+def test_where_nothing_is_read_nothing_is_predicted(write, old, new, cards, message):
+    """Refused before anything runs."""
+    text = (TWO.replace("PHI", "0.1") + "coupled: {duration: 0.5 s, release: {gamma: 2, mode: 1}}\n").replace(old, new)
+    text = text.replace("[0.1 kg^-0.5]", "[0.1 kg^-0.5, 0]") if "95 Hz" in text else text
+    with pytest.raises(UsageError, match=message):
+        mode_with_dampers(load(write(text)), [read_card(ROOT / "docs" / "beam.nc")] * cards)

@@ -117,7 +117,7 @@ def test_force_and_base_become_gamma(tmp_path):
         ({"target": "{damping: 1 %, modes: [1], base: [1 m/s^2, 2 m/s^2]}"}, "study.yaml:10:38: design.target.base: the modes say nothing of their participation"),
         ({"variables": "{enclosure.height: {from: 50 mm, to: 30 mm}}"}, "study.yaml:11:15: design.variables.enclosure.height: the range from 0.05 to 0.03 is empty"),
         ({"variables": "{enclosure.hight: {from: 30 mm, to: 50 mm}}"}, "study.yaml:11:15: design.variables.enclosure.hight: is not a scalar of this configuration; did you mean 'damper.enclosure.height'?"),
-        ({"variables": "{excitation.gravity: {from: 1, to: 2}}"}, "study.yaml:11:15: design.variables.excitation.gravity: excitation.gravity is no part of a damper"),
+        ({"variables": "{excitation.gravity: {from: 9, to: 10}}"}, "study.yaml:11:15: design.variables.excitation.gravity: excitation.gravity is no part of a damper"),
         ({"variables": "{particles.material: [pmma_terzioglu, unobtainium]}"}, "study.yaml:11:15: design.variables.particles.material: there is no material 'unobtainium'"),
         ({"variables": "{particles.material: [pmma_terzioglu, lead]}"}, "study.yaml:11:15: design.variables.particles.material: with lead: contact: the library has no restitution"),
         ({"variables": "{particles.count: {from: 600, to: 900}}"}, "study.yaml:11:3: design.variables: no combination of them can be"),

@@ -1,13 +1,17 @@
 """A small design by simulation, whole, stopped and continued; and the commands."""
 
+import importlib.util
+import sys
 from functools import partial
 
 import pytest
 from typer.testing import CliRunner
 
 from conftest import ROOT
+from warpdamp import open_results
 from warpdamp.cli.app import app
 from warpdamp.design import cases, tolerances, verify
+from warpdamp.errors import MissingLibrary
 from warpdamp.study.run import run
 
 SMALL = """\
@@ -71,6 +75,8 @@ def test_a_search_that_was_stopped_goes_on_from_its_store(in_process, monkeypatc
     text = (tmp_path / "parts" / "small-design.yaml").read_text()
     assert text.startswith("# ")
     assert (tmp_path / "parts" / "small-design.png").read_bytes()[:4] == b"\x89PNG"
+    assert command("report", tmp_path / "parts" / "small-design.nc").exit_code == 0
+    assert "Which damper damps" in (tmp_path / "parts" / "small-design.html").read_text()
     assert command("modes", tmp_path / "parts" / "small-design.yaml").exit_code == 0
 
 
@@ -81,6 +87,23 @@ def test_what_is_impossible_is_one_line_and_no_simulation(tmp_path):
     assert done.exit_code == 2
     assert "small.yaml:14:3: design.variables: the target is impossible: 3 % takes at least 14.14 g" in done.output
     assert not shards(tmp_path)
+
+
+def test_without_its_extra_a_design_says_so_before_anything_runs(monkeypatch, tmp_path):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name, *rest: None if name == "sklearn" else find(name, *rest)
+    )
+    done = command("design", ROOT / "configs" / "design.yaml", "-o", tmp_path)
+    assert done.exit_code == 2
+    assert done.stderr == "warpdamp: designs need sklearn: pip install 'warpdamp[design]'\n"
+    assert not shards(tmp_path)
+
+
+def test_without_its_extra_an_emulator_says_so(monkeypatch):
+    monkeypatch.setitem(sys.modules, "sklearn.gaussian_process", None)
+    with pytest.raises(MissingLibrary, match="emulators need scikit-learn: pip install 'warpdamp\\[design\\]'"):
+        open_results(ROOT / "docs" / "beam.nc").damper.emulator()
 
 
 def test_a_study_without_design_says_so():

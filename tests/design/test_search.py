@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from design_formula import STUDY, by_formula, effectiveness, simulated
 from warpdamp import load
 from warpdamp.config.reading import resolved_yaml
 from warpdamp.design import search as searching
@@ -18,53 +19,13 @@ from warpdamp.design.search import Search
 from warpdamp.modal.damping import damping_of_effectiveness
 from warpdamp.report.design import lines, picture
 
-PACKING, NOISE = 0.52, 0.04
-
-STUDY = """\
-structure:
-  modes_given: [{frequency: 40 Hz, modal_mass: 0.4 kg}]
-  particles_included: true
-damper:
-  enclosure: {diameter: 40 mm, height: 40 mm, material: pmma_terzioglu}
-  particles: {count: 60, radius: 3.73 mm, material: pmma_terzioglu}
-contact: {}
-excitation: {gamma: [2, 4]}
-design:
-  target: {damping: 2 %, gamma: [2, 8]}
-  variables:
-    enclosure.height: {from: 25 mm, to: 50 mm}
-    particles.count: {from: 60, to: 160}
-  budget: {cases: 260}
-"""
-
-
-def effectiveness(config, frequency, gamma):
-    """A curve with its optimum at the Gamma of eq. 1, log-normal in Gamma: as the true one, a bell."""
-    cavity, particles = config.damper.enclosure, config.damper.particles
-    fill = particles.count * 4 / 3 * math.pi * particles.radius**3 / (math.pi / 4 * cavity.diameter**2 * cavity.height)
-    optimum = 4 * math.pi * frequency**2 * max(cavity.height * (1 - fill / PACKING), 1e-4) / 9.81
-    return 0.8 * np.exp(-0.5 * (np.log(gamma / optimum) / 1.2) ** 2)
-
-
-def simulated(problem, orders, store, *, workers, report):
-    """Cases by the formula, each packing off by a little of its own; the same each time."""
-    rows = []
-    for order in orders:
-        frequency = float(problem.modes(order.design).frequency[order.mode])
-        config = order.design.config
-        own = np.random.default_rng([order.seed, round(1e3 * order.gamma), config.damper.particles.count])
-        value = effectiveness(config, frequency, order.gamma) * math.exp(NOISE * own.standard_normal())
-        rows.append(Row(order, frequency, value, NOISE, 0.002, PACKING))
-    return rows
-
 
 @pytest.fixture
-def problem(tmp_path, monkeypatch):
-    monkeypatch.setattr(searching, "run_orders", simulated)
-    monkeypatch.setattr(searching, "SAMPLE", 128)
+def problem(tmp_path):
     path = tmp_path / "study.yaml"
     path.write_text(STUDY)
-    return Problem(load(path))
+    with by_formula():
+        yield Problem(load(path))
 
 
 def least_damping(config, mass):
@@ -140,13 +101,12 @@ def test_a_case_that_failed_is_no_data(problem):
     assert len(emulate(problem, broken).process.y) == len(rows)
 
 
-def test_the_most_damping_is_found_within_a_limit_of_mass(tmp_path, monkeypatch):
-    monkeypatch.setattr(searching, "run_orders", simulated)
-    monkeypatch.setattr(searching, "SAMPLE", 128)
+def test_the_most_damping_is_found_within_a_limit_of_mass(tmp_path):
     path = Path(tmp_path) / "study.yaml"
     goal = "  limits: {mass: 24 g}\n  maximise: damping\n  budget: {cases: 100}"
     path.write_text(STUDY.replace("  budget: {cases: 260}", goal).replace("damping: 2 %, ", ""))
-    found = design(load(path), tmp_path / "store")
+    with by_formula():
+        found = design(load(path), tmp_path / "store")
     assert found.design.mass <= 0.024
     best = 0.0
     problem = Problem(load(path))

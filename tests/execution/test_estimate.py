@@ -42,6 +42,21 @@ def test_cases_at_the_same_frequency_are_nearer_than_those_of_the_same_cost(plan
     assert estimate.share == pytest.approx(true, rel=0.2)
 
 
+def test_cases_that_cost_nearly_the_same_at_the_least_are_told_apart(plan):
+    """What cases take falls by half from one amplitude to the next, while their least cost rises by 4 %."""
+    plan.cost = 1.04 ** np.round(np.log(plan.cost / plan.cost.min()) / np.log(2) * 9)
+    numbers, first = np.arange(60), np.arange(0, 60, 3)
+    takes = 2.0 ** -(numbers // 3 % 10)
+    estimate = Estimate(plan, numbers)
+    estimate.finished(first, takes[first])
+    others = numbers[(numbers // 3 % 2 == 1) & (numbers % 3 > 0)]
+    estimate.finished(others, takes[others])
+    done = np.union1d(first, others)
+    assert estimate.share == pytest.approx(
+        takes[done].sum() / takes.sum(), rel=0.01
+    )  # neighbours have a thousandth of the weight
+
+
 def test_cases_that_could_not_be_run_say_nothing_of_the_others(plan):
     estimate = Estimate(plan, np.arange(60))
     assert estimate.share == 0

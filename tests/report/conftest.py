@@ -5,8 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from warpdamp import run
+from design_formula import STUDY as DESIGN
+from design_formula import by_formula
+from warpdamp import load, run
 from warpdamp.analysis.results import write
+from warpdamp.design.dataset import to_dataset
+from warpdamp.design.run import design
 from warpdamp.report.film import Film
 from warpdamp.study.again import again
 from warpdamp.sweep.choice import Choice
@@ -47,6 +51,15 @@ def results(study):
 
 
 @pytest.fixture(scope="session")
+def answer(tmp_path_factory):
+    """Answer to a design problem, as a Dataset."""
+    path = tmp_path_factory.mktemp("design") / "problem.yaml"
+    path.write_text(DESIGN)
+    with by_formula():
+        return to_dataset(design(load(path), path.with_suffix("")))
+
+
+@pytest.fixture(scope="session")
 def taken(results):
     """A case of it, run again."""
     return again(results, Choice(gamma=6, mode=1), frames=10, shown=2)
@@ -57,6 +70,15 @@ def film(taken):
     return Film(
         taken.trajectory, taken.title, taken.label, taken.remark, taken.source, int(taken.values["cycles_discarded"])
     )
+
+
+@pytest.fixture(scope="session")
+def beside(film, results):
+    """The film with that of a second damper beside it: the same case by another packing, a quarter of a cycle apart."""
+    other = again(results, Choice(gamma=6, mode=1, seed=2), frames=10, shown=2).trajectory
+    frames = [replace(frame, cycle=frame.cycle - 0.25) for frame in other.frames]
+    second = replace(film, trajectory=replace(other, frames=frames), label="damper 2: mode 1")
+    return replace(film, beside=(second,))
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,7 @@ import xarray as xr
 
 from browser import MISSING, OVERLAPS, browser, complaints, open_page, resize, violations
 from warpdamp.report.calculator import Calculator
+from warpdamp.report.design_page import write_design_report
 from warpdamp.report.film_page import write_film_page
 from warpdamp.report.report_page import write_report
 from warpdamp.study.again import stored_config
@@ -31,15 +32,17 @@ def axe():
 
 
 @pytest.fixture(scope="module")
-def pages(results, film, spheroids, tmp_path_factory):
-    """Paths of pages: of films, of the report of a study, and of that of a sweep over two more scalars."""
+def pages(results, film, spheroids, beside, answer, tmp_path_factory):
+    """Paths of pages: of films, of the reports of a study, of a sweep over two more scalars, and of a design."""
     folder, dataset = tmp_path_factory.mktemp("pages"), xr.load_dataset(results)
     modes = next(Cases(stored_config(dataset, results)).points()).modes
     write_film_page(film, folder / "film.html")
     write_film_page(spheroids, folder / "spheroids.html")
+    write_film_page(beside, folder / "beside.html")
     write_report(dataset, folder / "report.html", modes=modes, film=film)
     write_report(swept(dataset), folder / "sweep.html", modes="None.", film="None.")
     write_report(sampled(dataset), folder / "sample.html", modes="None.", film="None.")
+    write_design_report(answer, folder / "design.html")
     return {path.stem: path for path in folder.iterdir()}
 
 
@@ -66,7 +69,7 @@ def sampled(dataset):
     return one.assign_coords(case=[0, 1]).assign_coords(own)
 
 
-PAGES = ("film", "spheroids", "report", "sweep", "sample")
+PAGES = ("film", "spheroids", "beside", "report", "sweep", "sample", "design")
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -83,7 +86,7 @@ def test_nothing_is_cut_off_or_lies_on_something_else(driver, pages, name, width
     assert driver.execute_script(OVERLAPS) == []
 
 
-@pytest.mark.parametrize("name", ["film", "report", "sweep"])
+@pytest.mark.parametrize("name", ["film", "beside", "report", "sweep", "design"])
 def test_contrast_names_and_alternatives(driver, pages, axe, name):
     open_page(driver, pages[name])
     assert violations(driver, axe) == []
@@ -157,6 +160,28 @@ def test_pointing_at_a_curve_tells_its_numbers(driver, pages, results):
     assert f"{first:.4g}" in said
 
 
+def pointed_at(driver, name):
+    """What a chart says of the point that its middle is nearest to."""
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    chart = driver.find_element("css selector", f"[data-chart={name}] svg")
+    driver.execute_script("arguments[0].scrollIntoView({ block: 'center' })", chart)
+    ActionChains(driver).move_to_element(chart).perform()
+    return driver.execute_script(f"return document.querySelector('[data-chart={name}] .tip').textContent")
+
+
+def test_the_charts_of_a_design_tell_its_numbers(driver, pages, answer):
+    open_page(driver, pages["design"])
+    said = pointed_at(driver, "curve")
+    near = int(abs(answer["gamma"].values[0] - 4.2).argmin())  # the middle, in ratios, of 2 to 8 and a margin
+    assert f"mode 1, 40 Hz: {100 * float(answer['damping_ratio_mean'][0, near]):.4g}" in said
+    assert "±" in said
+    masses = [f"{1e3 * float(mass):.5g}" for mass in answer["particle_mass"]]
+    said = pointed_at(driver, "front")
+    assert any(f"mass of the particles [g]: {mass}\n" in said for mass in masses)
+    assert "height" in said
+
+
 def pixels(driver):
     return driver.execute_script("return document.querySelector('.film canvas').toDataURL()")
 
@@ -166,6 +191,20 @@ const there = document.querySelector(".film canvas"), empty = document.createEle
 [empty.width, empty.height] = [there.width, there.height];
 return empty.toDataURL();
 """
+
+
+def test_cavities_beside_each_other_turn_together(driver, pages):
+    open_page(driver, pages["beside"])
+    each = "return [...document.querySelectorAll('.film canvas')].map((c) => c.toDataURL())"
+    before = driver.execute_script(each)
+    assert len(set(before)) == 2
+    second = "document.querySelectorAll('.film canvas')[1]"
+    driver.execute_script(f"{second}.dispatchEvent(new KeyboardEvent('keydown', {{ key: 'ArrowLeft' }}));")
+    resize(driver, 1100)
+    after = driver.execute_script(each)
+    assert before[0] != after[0]
+    assert before[1] != after[1]
+    assert complaints(driver) == []
 
 
 def test_the_film_plays_turns_and_changes_its_colours(driver, pages):

@@ -9,7 +9,7 @@ import xarray as xr
 from warpdamp.errors import SimulationError, UsageError
 from warpdamp.report.film import Colour
 from warpdamp.report.film_files import quaternions, write_extxyz, write_vtkhdf
-from warpdamp.report.film_page import film_data, write_film_page
+from warpdamp.report.film_page import film_data, films_data, write_film_page
 from warpdamp.report.film_pictures import pictures, write_gif, write_mp4
 from warpdamp.status import Status
 from warpdamp.study.again import again
@@ -80,6 +80,13 @@ def test_results_of_another_machine_are_refused_and_said(results, tmp_path):
     assert "another version or on another machine" in taken.remark
 
 
+def test_a_part_of_the_results(results, tmp_path):
+    part = xr.load_dataset(results).drop_vars("cycles")
+    part.to_netcdf(tmp_path / "part.nc")
+    with pytest.raises(UsageError, match=r"part.nc: these are not the results of a whole run: there is no cycles"):
+        again(tmp_path / "part.nc", Choice(gamma=6, mode=1))
+
+
 def test_results_of_another_physics(results, tmp_path):
     def change(dataset):
         dataset.attrs["source"] = "warpdamp 0.0.1 (physics 1)"
@@ -95,6 +102,16 @@ def test_pictures_change_from_frame_to_frame_and_with_the_colour(film):
     assert not np.array_equal(shots[0], shots[4])
     energy = next(pictures(dataclasses.replace(film, colour=Colour.ENERGY, forces=True)))
     assert not np.array_equal(shots[0], energy)
+
+
+def test_dampers_stand_beside_each_other_in_one_scale(film, beside):
+    shot = next(pictures(beside))
+    assert shot.shape == (432, 1100, 3)
+    every = films_data(beside)
+    assert len(every) == 2
+    assert len({data["strongest"] for data in every}) == 1
+    assert every[0]["quantities"] == every[1]["quantities"]
+    assert beside.strongest >= film.strongest
 
 
 def test_a_gif_holds_every_frame(film, tmp_path):
@@ -203,7 +220,7 @@ def test_the_page_holds_positions_to_a_65535th_of_their_range(film):
     import base64
     import zlib
 
-    data = film_data(film)
+    data = film_data(film, film)
     kind, offset, length = data["packed"]["arrays"]["position"]
     assert kind == "u2"
     raw = zlib.decompress(base64.b64decode(data["packed"]["data"]))

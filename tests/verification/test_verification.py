@@ -2,13 +2,14 @@
 
 import pytest
 
-from verification import dampers, impacts, invariances, motion, spheroid_collision, spheroids, structures
+from verification import dampers, impacts, invariances, motion, predictions, spheroid_collision, spheroids, structures
 from verification.suite import CASES
 
 assert dampers
 assert impacts
 assert invariances
 assert motion
+assert predictions
 assert spheroid_collision
 assert spheroids
 assert structures

@@ -111,7 +111,12 @@ def is_coupled(dataset: xr.Dataset) -> bool:
     return "structure_displacement" in dataset
 
 
-def read(path: Path, *, coupled: bool = False) -> xr.Dataset:
+def is_design(dataset: xr.Dataset) -> bool:
+    """Whether a Dataset is the answer to a design problem."""
+    return "damping_ratio_mean" in dataset
+
+
+def read(path: Path, *, coupled: bool = False, design: bool = False) -> xr.Dataset:
     """Results of a run, read from their file into memory.
 
     Parameters
@@ -120,6 +125,8 @@ def read(path: Path, *, coupled: bool = False) -> xr.Dataset:
         netCDF file.
     coupled : bool
         Whether those of coupled runs will do, too.
+    design : bool
+        Whether the answer to a design problem will do, too.
 
     Returns
     -------
@@ -132,7 +139,8 @@ def read(path: Path, *, coupled: bool = False) -> xr.Dataset:
     """
     with netcdf_errors(path):
         dataset = xr.load_dataset(path)
-    if "effectiveness" not in dataset and not (coupled and is_coupled(dataset)):
+    accepted = (coupled and is_coupled(dataset)) or (design and is_design(dataset))
+    if "effectiveness" not in dataset and not accepted:
         what = next((what for name, what in OTHERS.items() if name in dataset), "is not a results file of warpdamp")
         raise UsageError(f"{path}: {what} (it has no effectiveness)")
     return dataset
@@ -141,6 +149,8 @@ def read(path: Path, *, coupled: bool = False) -> xr.Dataset:
 OTHERS = {
     "structure_displacement": "holds coupled runs, no study of prescribed motion: warpdamp plot draws them, warpdamp "
     "fit reads their FRF; for a card or an FRF over Gamma take the results of `warpdamp run`",
+    "damping_ratio_mean": "holds the answer of a design: `warpdamp report` makes a page of it, `warpdamp run` of the "
+    "YAML file beside it gives results",
     "accelerance_real": "is an FRF: warpdamp fit reads it; here the results of `warpdamp run` are wanted",
     "fitted_frequency": "holds fits of an FRF; here the results of `warpdamp run` are wanted",
     "damper_share": "holds the damping by several cards; here the results of `warpdamp run` are wanted",

@@ -24,7 +24,9 @@ def design(
     Every case is kept in OUTPUT/CONFIG-design/ as soon as it is done; the same command goes on from there.
     """
     with one_line_errors():
+        from ..analysis.results import write
         from ..config.reading import resolved_yaml
+        from ..design.dataset import to_dataset
         from ..design.run import design as search
         from ..files import whole_file
         from ..report.design import lines, picture
@@ -45,8 +47,9 @@ def design(
         with whole_file(target) as part:
             part.write_text(f"# {said.replace(chr(10), chr(10) + '# ')}\n{resolved_yaml(answer.configuration())}")
         save(picture(answer), target.with_suffix(".png"))
+        write(to_dataset(answer), target.with_suffix(".nc"))
     print(said)
-    print(f"{target} and {target.stem}.png")
+    print(f"{target}, {target.stem}.png and {target.stem}.nc: `warpdamp report` makes a page of the last")
 
 
 @app.command()

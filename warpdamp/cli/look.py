@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -48,6 +49,7 @@ def film(
 ) -> None:
     """Film a case: it is run again to the same bits, and its last cycles are recorded.
 
+    Several dampers on one structure stand beside each other, in one phase of the drive.
     Of results the most effective case is taken among those that the options leave.
     """
     with one_line_errors():
@@ -55,20 +57,32 @@ def film(
         colour_of = _colour(colour)
         for target in targets:
             _check_target(target)
-        from ..study.again import again
+        from ..study.again_beside import again_all
         from ..sweep.choice import Choice
 
         choice = Choice.of(at or [], gamma=gamma, mode=mode, frequency=frequency, seed=seed)
         with progress() as report:
-            taken = again(
+            taken = again_all(
                 source, choice, frames=frames, shown=cycles, anyway=anyway, report=lambda done: report("frames", done)
             )
         shown = _film(taken, colour_of, forces)
-        for target in targets:
-            WRITERS[target.suffix.lower()](shown, target)
-    print(f"{taken.label}: {taken.remark}")
-    for target in targets:
-        print(target)
+        written = [path for target in targets for path in _write(shown, target)]
+    for each in taken:
+        print(f"{each.label}: {each.remark}")
+    for path in written:
+        print(path)
+
+
+def _write(film: Film, target: Path) -> list[Path]:
+    """Write a film in the format of a suffix; other programs get a file of each damper."""
+    suffix = target.suffix.lower()
+    if suffix not in APART or not film.beside:
+        WRITERS[suffix](film, target)
+        return [target]
+    paths = [target.with_stem(f"{target.stem}-damper{k}") for k in range(1, len(film.every) + 1)]
+    for one, path in zip(film.every, paths, strict=True):
+        WRITERS[suffix](one, path)
+    return paths
 
 
 def _page(film: Film, path: Path) -> None:
@@ -104,6 +118,9 @@ def _vtkhdf(film: Film, path: Path) -> None:
 WRITERS = {".html": _page, ".gif": _gif, ".mp4": _mp4, ".xyz": _extxyz, ".vtkhdf": _vtkhdf}
 """What writes a film, by the suffix of its file."""
 
+APART = (".xyz", ".vtkhdf")
+"""Formats of one cavity."""
+
 NEEDS = {
     ".html": ("jinja2", "pages"),
     ".mp4": ("imageio_ffmpeg", "films as mp4"),
@@ -132,19 +149,24 @@ def _colour(word: str):
     return Colour(word)
 
 
-def _film(taken: Again, colour, forces: bool) -> Film:
+def _film(taken: list[Again], colour, forces: bool) -> Film:
+    """Film of a case, with those of the structure's other dampers beside it."""
     from ..report.film import Film
 
-    return Film(
-        taken.trajectory,
-        taken.title,
-        taken.label,
-        taken.remark,
-        taken.source,
-        int(taken.values["cycles_discarded"]),
-        colour,
-        forces,
-    )
+    films = [
+        Film(
+            one.trajectory,
+            one.title,
+            one.label,
+            one.remark,
+            one.source,
+            int(one.values["cycles_discarded"]),
+            colour,
+            forces,
+        )
+        for one in taken
+    ]
+    return replace(films[0], beside=tuple(films[1:]))
 
 
 LONGEST_CASE = 2e8
@@ -153,14 +175,18 @@ LONGEST_CASE = 2e8
 
 @app.command()
 def report(
-    file: Annotated[Path, typer.Argument(help="Results of a run.", metavar="RESULTS.nc")],
+    file: Annotated[Path, typer.Argument(help="Results of a run, or the answer of a design.", metavar="RESULTS.nc")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Page to write (default: beside FILE).")] = None,
     film: Annotated[bool, typer.Option(help="With a film of the most effective case.")] = True,
 ) -> None:
-    """Write a report: one HTML file with curves, calculator, energies, modes and a film, which opens offline."""
+    """Write a report: one HTML file with curves, calculator, energies, modes and a film, which opens offline.
+
+    Of a design: the damper chosen with its probability, its curve, the front, tolerances and runners-up.
+    """
     with one_line_errors():
-        from ..analysis.results import read
+        from ..analysis.results import is_design, read
         from ..formats.optional import needs
+        from ..report.design_page import write_design_report
         from ..report.report_page import write_report
 
         target = output or file.with_suffix(".html")
@@ -168,7 +194,11 @@ def report(
             raise UsageError(f"{target}: name a file that ends in .html")
         needs("jinja2", "reports", "report")
         writable(target.parent)
-        dataset = read(file)
+        dataset = read(file, design=True)
+        if is_design(dataset):
+            write_design_report(dataset, target)
+            print(target)
+            return
         try:
             modes = _modes(dataset, file)
             shown = _film_of_report(dataset, file) if film else "This report was made without a film."
@@ -200,11 +230,11 @@ def _modes(dataset: xr.Dataset, file: Path) -> Modes | str:
 def _film_of_report(dataset: xr.Dataset, file: Path) -> Film | str:
     """Film of the most effective case; or why there is none."""
     from ..report.film import Colour
-    from ..study.again import again
+    from ..study.again_beside import again_all
     from ..sweep.choice import Choice
 
     try:
-        taken = again(file, Choice(), anyway=True, most=LONGEST_CASE)
+        taken = again_all(file, Choice(), anyway=True, most=LONGEST_CASE)
     except WarpdampError as error:
         return f"There is no film: {error}"
     return _film(taken, Colour.SPEED, forces=False)

@@ -102,25 +102,37 @@ def coupled(
     config: ConfigArgument,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")] = Path("results"),
     workers: Annotated[int | None, typer.Option(min=1, help="Processes (default: all cores).")] = None,
+    card: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="CARD",
+            help="Card of each damper in their order, or one for all: what they predict beside what is read.",
+        ),
+    ] = None,
 ) -> None:
     """Let the structure answer: a force on it, its base's motion or its release, with the particles in the loop."""
     with one_line_errors():
         from ..analysis.results import write
+        from ..coupled.prediction import differences, mode_with_dampers, with_prediction
         from ..coupled.run import simulate
         from ..execution.executors import worker_pool
+        from ..modal.card import read_card
         from ..report.coupled import answers
+        from ..report.coupled_verdicts import coupled_verdicts
         from ..report.figures import save
-        from ..report.tables import coupled_verdicts
         from ..sweep.load import load
 
         checked = load(config)
+        parts = [read_card(file) for file in card or []]
+        mode = mode_with_dampers(checked, parts) if parts else None
         writable(output)
         with progress() as report, worker_pool("processes", workers) as processes:
             runs = simulate(checked, processes.executor, lambda done: report("runs", done))
+        runs = with_prediction(runs, mode) if mode else runs
         path = output / f"{config.stem}-coupled.nc"
         write(runs, path)
         save(answers(runs), path.with_suffix(".png"))
-    for line in coupled_verdicts(runs):
+    for line in [*coupled_verdicts(runs), *differences(checked, parts)]:
         print(line)
     print(path)
 

@@ -115,8 +115,17 @@ def explained(error, root) -> str:
     elif kind in ("tuple_type", "list_type"):
         message = f"expected a list, as [a, b], got {given!r}"
     elif kind not in ("value_error", "decimal_comma"):
-        message = f"{message[0].lower()}{message[1:]}, got {given!r}"
+        message = f"{message[0].lower()}{message[1:]}, got {given!r}{_percent(error)}"
     return f"{key}: {message}" if key else message
+
+
+def _percent(error) -> str:
+    """A question about a number that is within its limit, of one at most, in per cent."""
+    given, limits = error["input"], error.get("ctx", {})
+    limit = limits.get("le", limits.get("lt", 2))
+    if isinstance(given, bool) or not isinstance(given, int | float) or limit > 1 or not 1 < given < 100 * limit:
+        return ""
+    return f"; did you mean {given / 100:g}, which is {given:g} %?"
 
 
 def _known_keys(root: type[BaseModel], loc) -> list[str]:

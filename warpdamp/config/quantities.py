@@ -64,6 +64,12 @@ def to_si(value: Any, unit: str) -> float:
     return number
 
 
+def is_bare(value: Any) -> bool:
+    """Whether a number is written without a unit."""
+    parts = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    return parts is None or not parts["unit"]
+
+
 def _parsed(text: str, unit: str, wanted: str) -> float:
     if "," in text:
         raise ValueError(f"cannot read '{text}': write a decimal point, not a comma")
@@ -115,7 +121,9 @@ def _number(parts: re.Match, text: str) -> float:
 
 
 def _respelt(given: str, unit: str) -> str:
-    """A question about a unit that is one but for capital letters, as hz."""
+    """What to write instead of a unit that is one but for capital letters, as hz, or g of an acceleration."""
+    if unit == "m/s^2" and given in ("g", "G"):
+        return "; g is gram: write standard_gravity, which is 9.80665 m/s^2"
     spelt = re.sub(r"[^\W\d_]+", lambda word: _SPELLINGS.get(word[0].lower(), word[0]), given)
     try:
         _converted(1.0, spelt, unit)

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from ..errors import ConfigError, printable
 from .messages import decimal_commas, explained, place, relevant
+from .plausible import refusals
 from .study import Config
 
 
@@ -24,12 +25,17 @@ def read(path) -> Config:
     """
     path = Path(path)
     data = _read(path)
+    wrong = {place(data, keys): f"{'.'.join(map(str, keys))}: {said}" for keys, said in refusals(data)}
+    config = None
     try:
         config = Config.model_validate(_plain(data))
     except ValidationError as error:
-        errors = relevant(error.errors(), data, Config)
-        lines = [f"{path}:{place(data, e['loc'])}: {explained(e, Config)}" for e in errors]
-        raise ConfigError("\n".join(map(printable, lines))) from None
+        for one in relevant(error.errors(), data, Config):
+            where = place(data, one["loc"])
+            if where not in wrong or one["type"] != "value_error":  # else it may follow from what cannot be meant
+                wrong[where] = explained(one, Config)
+    if wrong or config is None:
+        raise ConfigError("\n".join(printable(f"{path}:{where}: {said}") for where, said in wrong.items()))
     config._source = (path, data)
     return config
 

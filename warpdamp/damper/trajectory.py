@@ -90,6 +90,7 @@ def record(
     *,
     frames: int = FRAMES,
     shown: int = CYCLES,
+    early: float = 0.0,
     report: Callable[[float], None] = lambda done: None,
 ) -> Trajectory:
     """Run a case again and record its last cycles.
@@ -104,6 +105,8 @@ def record(
         Moments to record, evenly spaced.
     shown : int
         Cycles of the drive to record, at most those of the case.
+    early : float
+        Cycles before the end of the case at which the recording ends, less than those that are not shown.
     report : callable
         Called with the part that is done, 0 to 1.
 
@@ -125,7 +128,8 @@ def record(
     spec, count = chain[-1], cycles[-1]
     batch, shown = _batch(spec, state, count), min(shown, count)
     last = count * spec.steps_per_cycle
-    moments = last - shown * spec.steps_per_cycle + _spread(shown * spec.steps_per_cycle, frames)
+    first = last - round((shown + early) * spec.steps_per_cycle)
+    moments = first + _spread(shown * spec.steps_per_cycle, frames)
     recorded = list(_frames(batch, spec, moments, report))
     batch.advance(last)
     _refuse_failed(batch)

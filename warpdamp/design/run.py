@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..config.study import Config
+from ..formats.optional import needs
 from ..sweep.load import load
 from .assess import Assessment
 from .bounds import Bounds
@@ -99,7 +100,10 @@ def design(
         If the problem is contradictory, or its target impossible.
     StoreError
         If the store cannot be written.
+    MissingLibrary
+        If scikit-learn is not installed.
     """
+    needs("sklearn", "designs", "design")
     if not isinstance(config, Config):
         config = load(config)
     problem = Problem(config)

@@ -60,10 +60,16 @@ class Sensitivity:
     ----------
     probability : that the target is met with every scalar anywhere in its range
     tolerances : of each
+    samples, impossible : designs drawn about the one claimed, and those of them that cannot be: they were left out
+    cases, failed : simulated of the others, and those of them that gave no result: they were left out, too
     """
 
     probability: float
     tolerances: list[Tolerance]
+    samples: int
+    impossible: int
+    cases: int
+    failed: int
 
 
 def ranges(config: Config) -> dict[str, tuple[float, float, float]]:
@@ -104,10 +110,11 @@ def sensitivity(search: Search, verified: Verified) -> Sensitivity:
     unit = qmc.Sobol(len(spans), seed=np.random.default_rng(3)).random(SAMPLES)
     finer = drives_of(search.problem, design, search.masses)
     where = np.argsort(-verified.least.decisive, kind="stable")[:DRIVES]
-    orders, offsets = [], []
+    orders, offsets, impossible = [], [], 0
     for k, part in enumerate(unit):
         varied = _varied(design, spans, part)
         if varied is None:
+            impossible += 1
             continue
         orders += [Order(varied, int(finer.mode[i]), float(finer.gamma[i]), FRESH + 500 + k) for i in where]
         offsets += [part] * len(where)
@@ -115,7 +122,9 @@ def sensitivity(search: Search, verified: Verified) -> Sensitivity:
     own = [row for row in search.rows if row.order.design.key == design.key]
     middle = np.array([_part(value, low, high) for value, low, high in spans.values()])
     every = [*zip(own, [middle] * len(own), strict=True), *zip(rows, offsets, strict=True)]
-    return _judged(search, verified, spans, [(row, part) for row, part in every if row.known], finer)
+    probability, tolerances = _judged(search, verified, spans, [(row, part) for row, part in every if row.known], finer)
+    failed = sum(not row.known for row in rows)
+    return Sensitivity(probability, tolerances, len(unit), impossible, len(rows), failed)
 
 
 def _varied(design: Design, spans: dict, part: np.ndarray) -> Design | None:
@@ -173,4 +182,4 @@ def _judged(search: Search, verified: Verified, spans: dict, known: list[tuple[R
                 reached = x
             ends.append(low + (high - low) * float(reached))
         tolerances.append(Tolerance(name, value, (low, high), (ends[0], ends[1])))
-    return Sensitivity(everywhere, tolerances)
+    return everywhere, tolerances

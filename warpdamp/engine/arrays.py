@@ -113,7 +113,10 @@ class Transfer:
         now = particles.numpy()[first:last]
 
         def of_particles(name, start):
-            return now[name][back].astype(float, copy=False) if name in now.dtype.names else start.copy()
+            return now[name][back].astype(float, copy=False) if name in now.dtype.names else copied(start)
+
+        def copied(array):
+            return array.copy() if array.flags.writeable else array
 
         wall_history = None
         if "wall" in self.types.Contacts.vars:
@@ -123,10 +126,10 @@ class Transfer:
             position=of_particles("position", before.position),
             velocity=of_particles("half_velocity", before.velocity),
             spin=of_particles("half_spin", before.spin),
-            radius=before.radius.copy(),
-            species=before.species.copy(),
+            radius=copied(before.radius),
+            species=copied(before.species),
             axis=of_particles("axis", before.axis),
-            aspect=before.aspect.copy(),
+            aspect=copied(before.aspect),
             wall_history=wall_history,
             **self._touching(k, particles, contacts),
         )
@@ -169,11 +172,9 @@ def _with_places(history: ContactHistory, normal: np.ndarray, arm: np.ndarray) -
 
 
 def _recalled(memory: np.ndarray, order: np.ndarray) -> ContactHistory:
-    """Contact history from the device's ``memory``, in an order."""
-    history = ContactHistory.none(len(order), *memory.shape[1:])
-    for name in memory.dtype.names:  # one after the other: large beds are not copied whole
-        getattr(history, name)[...] = memory[name][order]
-    return history
+    """Contact history from the device's ``memory``, in an order; what is not kept there is zero."""
+    none = ContactHistory.none(len(order), *memory.shape[1:])
+    return replace(none, **{name: memory[name][order].astype(float, copy=False) for name in memory.dtype.names})
 
 
 def _numbered(state: State, order: np.ndarray) -> tuple[np.ndarray, ContactHistory]:

@@ -106,7 +106,7 @@ class Runner:
                 self._numbers = np.union1d(self._numbers, numbers)
                 self._estimate.add(numbers)
                 yield from self._first_jobs(numbers)
-                yield from self._case_jobs(first)
+                yield from self._case_jobs(first, mixed=True)  # all frequencies early, so that the time left is known
                 yield from self._case_jobs(numbers[~np.isin(self.plan.keys[numbers], self.plan.keys[first])])
             while not self._new_results:
                 yield None
@@ -133,8 +133,8 @@ class Runner:
             self._report_stage(kind)
         yield from jobs
 
-    def _case_jobs(self, numbers: np.ndarray) -> Iterator[Job]:
-        for chains in batches(self.plan, numbers, self.pool.size):
+    def _case_jobs(self, numbers: np.ndarray, *, mixed: bool = False) -> Iterator[Job]:
+        for chains in batches(self.plan, numbers, self.pool.size, mixed=mixed):
             first = [chain[0] for chain in chains]
             effects, _ = self.plan.groups[self.plan.group[first[0]]]
             needs = frozenset([effects, *map(int, self.plan.bed[first])])

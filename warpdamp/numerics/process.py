@@ -14,6 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
+from ..errors import MissingLibrary
+
 JITTER = 1e-10
 FITTED = 256
 """Points that the widths are fitted to, drawn at random where there are more: the time grows with their cube."""
@@ -151,6 +153,8 @@ def fit(x, y, error, groups) -> Process:
     ------
     ValueError
         If there are fewer points than four, or than two more than dimensions.
+    MissingLibrary
+        If scikit-learn is not installed.
     """
     from threadpoolctl import threadpool_limits
 
@@ -177,9 +181,13 @@ def _likeliest(x, y, noise, scale, spread: float) -> tuple[np.ndarray, float]:
     """Widths (d,) and size of the largest marginal likelihood."""
     import warnings
 
-    from sklearn.exceptions import ConvergenceWarning
-    from sklearn.gaussian_process import GaussianProcessRegressor
-    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+    try:
+        from sklearn.exceptions import ConvergenceWarning
+        from sklearn.gaussian_process import GaussianProcessRegressor
+        from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+    except ImportError:
+        line = "emulators need scikit-learn: pip install 'warpdamp[design]'"
+        raise MissingLibrary(line, name="sklearn") from None
 
     matern = Matern(np.ones(x.shape[1]), (NARROWEST, WIDEST), nu=2.5)
     kernel = ConstantKernel(1.0, (0.05, 50.0)) * matern + WhiteKernel(1e-3, (1e-8, 0.5))

@@ -63,6 +63,19 @@ def _tolerances(sensitivity) -> list[str]:
         f"the claim holds from {_shown(one.kept[0])} to {_shown(one.kept[1])}"
         for one in sensitivity.tolerances
     ]
+    return [*found, *map("  {}".format, left_out(sensitivity))]
+
+
+def left_out(sensitivity) -> list[str]:
+    """What a Monte Carlo of tolerances did without, in words; empty if nothing."""
+    found = []
+    if sensitivity.impossible:
+        found.append(
+            f"{sensitivity.impossible} of {sensitivity.samples} designs drawn from these ranges cannot be, and were "
+            "left out: a particle more or a cavity as small does not fit"
+        )
+    if sensitivity.failed:
+        found.append(f"{sensitivity.failed} of {sensitivity.cases} cases simulated there gave no result: left out")
     return found
 
 

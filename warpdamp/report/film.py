@@ -53,6 +53,7 @@ class Film:
     discarded : cycles at the start that the averages leave out
     colour : what colours the particles at first
     forces : whether contact forces are drawn at first
+    beside : films of other dampers of the structure in the same moments, to be shown beside this one
     """
 
     trajectory: Trajectory
@@ -63,6 +64,12 @@ class Film:
     discarded: int = 0
     colour: Colour = Colour.SPEED
     forces: bool = False
+    beside: tuple[Film, ...] = ()
+
+    @property
+    def every(self) -> tuple[Film, ...]:
+        """The film and those beside it."""
+        return (self, *self.beside)
 
     @property
     def frames(self) -> list[Frame]:
@@ -85,13 +92,14 @@ class Film:
         return np.array([QUANTITIES[colour].of(frame) for frame in self.frames])
 
     def most(self, colour: Colour) -> float:
-        """Value that has the last colour; positive."""
-        return float(np.percentile(self.values(colour), BRIGHTEST)) or 1.0
+        """Value that has the last colour, in every film; positive."""
+        values = np.concatenate([film.values(colour).ravel() for film in self.every])
+        return float(np.percentile(values, BRIGHTEST)) or 1.0
 
     @cached_property
     def strongest(self) -> float:
-        """Largest contact force of all frames [N]; positive."""
-        sizes = [np.linalg.norm(frame.touching.force, axis=1) for frame in self.frames]
+        """Largest contact force of all frames of every film [N]; positive."""
+        sizes = [np.linalg.norm(frame.touching.force, axis=1) for film in self.every for frame in film.frames]
         return float(max((s.max() for s in sizes if len(s)), default=0.0)) or 1.0
 
 

@@ -24,12 +24,25 @@ def write_film_page(film: Film, path: Path) -> None:
     MissingLibrary
         If Jinja2 is not installed.
     """
-    data = film_data(film)
-    write_page(page("film.html", SCRIPTS, "film", film=data, data=as_json(data)), path, MOST_BYTES)
+    data = films_data(film)
+    text = page("film.html", SCRIPTS, "film", film=data[0], films=data, data=as_json(data))
+    write_page(text, path, MOST_BYTES)
 
 
-def film_data(film: Film) -> dict:
-    """What the player shows, as it stands in a page; see ``page/player.js``."""
+def films_data(film: Film) -> list[dict]:
+    """What the player shows of a film and of those beside it, with colours and forces in one scale."""
+    return [film_data(one, film) | {"damper": k} for k, one in enumerate(film.every, 1)]
+
+
+def film_data(film: Film, scale: Film) -> dict:
+    """What the player shows, as it stands in a page; see ``page/player.js``.
+
+    Parameters
+    ----------
+    film : Film
+    scale : Film
+        Whose colours and forces are the scale.
+    """
     trajectory, drive, cavity = film.trajectory, film.trajectory.scene.drive, film.trajectory.scene.enclosure
     position = np.array([frame.state.position for frame in film.frames])
     low, high = position.min(axis=(0, 1)), position.max(axis=(0, 1))
@@ -38,8 +51,8 @@ def film_data(film: Film) -> dict:
     shape = spheroids(film.frames[0])
     arrays = {"position": ("u2", np.round(65535 * (position - low) / (high - low)))}
     for colour in QUANTITIES:
-        arrays[colour.value] = ("u1", np.round(255 * np.clip(film.values(colour) / film.most(colour), 0, 1)))
-    arrays |= _contacts(film)
+        arrays[colour.value] = ("u1", np.round(255 * np.clip(film.values(colour) / scale.most(colour), 0, 1)))
+    arrays |= _contacts(film, scale.strongest)
     if shape:
         arrays["axis"] = ("i1", np.round(127 * np.array([spheroids(frame)[0] for frame in film.frames])))
     counts = [len(frame.touching.pairs) for frame in film.frames]
@@ -65,9 +78,9 @@ def film_data(film: Film) -> dict:
         "low": low,
         "high": high,
         "contacts": np.concatenate([[0], np.cumsum(counts)]),
-        "strongest": film.strongest,
+        "strongest": scale.strongest,
         "quantities": {
-            colour.value: {"name": quantity.name, "unit": quantity.unit, "most": film.most(colour)}
+            colour.value: {"name": quantity.name, "unit": quantity.unit, "most": scale.most(colour)}
             for colour, quantity in QUANTITIES.items()
         },
         "colour": film.colour.value,
@@ -77,14 +90,14 @@ def film_data(film: Film) -> dict:
     }
 
 
-def _contacts(film: Film) -> dict:
+def _contacts(film: Film, strongest: float) -> dict:
     """Contacts of all frames one after the other; side, floor and lid are the particles n, n + 1 and n + 2."""
     n = film.particles
     pairs = np.concatenate([frame.touching.pairs for frame in film.frames]).reshape(-1, 2)
     size = np.concatenate([np.linalg.norm(frame.touching.force, axis=1) for frame in film.frames])
     kind = "u2" if n + 3 < 65536 else "u4"
     second = np.where(pairs[:, 1] < 0, n - 1 - pairs[:, 1], pairs[:, 1])
-    force = np.round(255 * np.sqrt(size / film.strongest))
+    force = np.round(255 * np.sqrt(size / strongest))
     return {"first": (kind, pairs[:, 0]), "second": (kind, second), "force": ("u1", force)}
 
 

@@ -17,6 +17,8 @@ TURN, TILT = 0.6, 0.25
 """Direction of view: turned about the axis of the cavity, and from above [rad]."""
 
 WIDTH, HEIGHT, DPI = 7.2, 4.32, 100
+SCENE = 3.8
+"""Width of a cavity's part of the picture [inches]; every damper beside the first makes it as much wider."""
 RATE = 20
 """Frames shown a second."""
 
@@ -52,7 +54,7 @@ def write_mp4(film: Film, path: Path) -> None:
     except ImportError:
         line = "films as mp4 need imageio-ffmpeg: pip install 'warpdamp[film]'"
         raise MissingLibrary(line, name="imageio_ffmpeg") from None
-    size = round(WIDTH * DPI), round(HEIGHT * DPI)
+    size = round(_width(film) * DPI), round(HEIGHT * DPI)
     with whole_file(path) as part:
         # one after the other, or the order in which threads end would change the bits
         writer = write_frames(str(part), size, fps=RATE, codec="libx264", output_params=["-threads", "1", "-bitexact"])
@@ -82,19 +84,27 @@ def _figure(film: Film):
     """Figure of a film, and the function that changes it to a frame."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI)
-    scene = figure.add_axes((0.01, 0.14, 0.53, 0.74))
-    bar = figure.add_axes((0.05, 0.115, 0.45, 0.025))
-    phase = figure.add_axes((0.66, 0.62, 0.31, 0.22))
-    course = figure.add_axes((0.66, 0.115, 0.31, 0.34))
-    figure.text(0.02, 0.95, film.title, fontsize=11, weight="bold", va="center")
-    figure.text(0.02, 0.905, film.label, fontsize=9, va="center")
-    draw_scene, mappable = _scene(scene, film)
+    width = _width(film)
+    figure = Figure(figsize=(width, HEIGHT), dpi=DPI)
+
+    def place(left: float, bottom: float, wide: float, high: float):
+        """Axes by inches from the left, and parts of the height."""
+        return figure.add_axes((left / width, bottom, wide / width, high))
+
+    scenes = [place(0.07 + SCENE * k, 0.14, SCENE, 0.74) for k in range(len(film.every))]
+    bar = place(0.36, 0.115, 3.24, 0.025)
+    right = width - WIDTH
+    phase, course = place(right + 4.75, 0.62, 2.23, 0.22), place(right + 4.75, 0.115, 2.23, 0.34)
+    figure.text(0.144 / width, 0.95, film.title, fontsize=11, weight="bold", va="center")
+    for k, one in enumerate(film.every):
+        figure.text((0.144 + SCENE * k) / width, 0.905, one.label, fontsize=9, va="center")
+    mappable, reach = _colour_scale(film), max(map(_reach, film.every))
+    draw_scenes = [_scene(ax, one, film, mappable, reach) for ax, one in zip(scenes, film.every, strict=True)]
     quantity = QUANTITIES[film.colour]
     figure.colorbar(mappable, cax=bar, orientation="horizontal")
     bar.set_xlabel(f"{quantity.name} [{quantity.unit}]", fontsize=8, labelpad=1)
     bar.tick_params(labelsize=7)
-    changes = (draw_scene, _phase(phase, film), _course(course, film))
+    changes = (*draw_scenes, _phase(phase, film), _course(course, film))
 
     def change(k: int) -> None:
         for part in changes:
@@ -109,16 +119,31 @@ def _view() -> np.ndarray:
     return np.array([[ct, st, 0], [-st * se, ct * se, ce], [st * ce, -ct * ce, se]])
 
 
-def _scene(ax, film: Film):
+def _width(film: Film) -> float:
+    """Width of a picture [inches]."""
+    return WIDTH + SCENE * len(film.beside)
+
+
+def _colour_scale(film: Film):
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
-    from matplotlib.collections import EllipseCollection, LineCollection
     from matplotlib.colors import Normalize
 
+    return ScalarMappable(Normalize(0, film.most(film.colour)), colormaps[COLOURMAP])
+
+
+def _reach(film: Film) -> float:
+    """Largest distance of the cavity's edge from its middle at rest [m]."""
+    cavity, sway = film.trajectory.scene.enclosure, film.trajectory.displacement
+    return float(np.hypot(cavity.diameter / 2, cavity.height / 2) + np.linalg.norm(sway, axis=1).max())
+
+
+def _scene(ax, film: Film, scale: Film, mappable, reach: float):
+    """Function that draws a frame of a film, in the colours and the size that all films beside it share."""
+    from matplotlib.collections import EllipseCollection, LineCollection
+
     view, cavity = _view(), film.trajectory.scene.enclosure
-    norm = Normalize(0, film.most(film.colour))
-    values, sway = film.values(film.colour), film.trajectory.displacement
-    reach = np.hypot(cavity.diameter / 2, cavity.height / 2) + np.linalg.norm(sway, axis=1).max()
+    values, sway = film.values(scale.colour), film.trajectory.displacement
     middle = np.array([0, 0, cavity.height / 2])
     ax.set(xlim=(-reach, reach), ylim=(-reach * 1.08, reach), aspect="equal")
     ax.axis("off")
@@ -136,8 +161,8 @@ def _scene(ax, film: Film):
         at = seen(frame.state.position + shift)
         order = np.argsort(at[:, 2])
         width, height, angle = _ellipses(frame, view)
-        colours = colormaps[COLOURMAP](norm(values[k]))
-        colours[:, 3] = 0.35 if film.forces else 1.0
+        colours = mappable.to_rgba(values[k])
+        colours[:, 3] = 0.35 if scale.forces else 1.0
         ax.add_collection(
             EllipseCollection(
                 *(part[order] for part in (width, height, angle)),
@@ -150,15 +175,15 @@ def _scene(ax, film: Film):
                 zorder=2,
             )
         )
-        if film.forces:
+        if scale.forces:
             lines, size = _force_lines(frame, shift, cavity)
-            strong = LARGEST_LINE * np.sqrt(size / film.strongest)
+            strong = LARGEST_LINE * np.sqrt(size / scale.strongest)
             flat = [seen(line)[:, :2] for line in lines]
             ax.add_collection(LineCollection(flat, linewidths=strong, colors="#8b1a1a", capstyle="round", zorder=3))
         for line in before:
             ax.plot(*seen(line)[:, :2].T, color="#8b97a4", lw=1, zorder=4)
 
-    return draw, ScalarMappable(norm, colormaps[COLOURMAP])
+    return draw
 
 
 def _ellipses(frame, view: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -202,38 +227,55 @@ def _force_lines(frame, shift: np.ndarray, cavity) -> tuple[np.ndarray, np.ndarr
     return np.stack([first, second], axis=1) + shift, np.linalg.norm(frame.touching.force, axis=1)
 
 
+COLOURS = ("#1b6ca8", "#2e7d32", "#7b3fa0", "#806000")
+"""Colours of the dampers' lines, one after the other."""
+
+
+def _lines(film: Film) -> list[tuple[Film, str]]:
+    return [(one, COLOURS[k % len(COLOURS)]) for k, one in enumerate(film.every)]
+
+
 def _phase(ax, film: Film):
-    degrees, amplitude = np.linspace(0, 360, 121), 1e3 * film.trajectory.scene.drive.displacement
-    ax.plot(degrees, amplitude * np.sin(np.radians(degrees)), color="#1b6ca8", lw=1.2)
-    (dot,) = ax.plot([], [], "o", color="#c8410b", ms=6)
+    degrees, dots = np.linspace(0, 360, 121), []
+    for one, colour in _lines(film):
+        amplitude = 1e3 * one.trajectory.scene.drive.displacement
+        apart = one.frames[0].cycle - film.frames[0].cycle
+        ax.plot(degrees, amplitude * np.sin(np.radians(degrees) + 2 * np.pi * apart), color=colour, lw=1.2)
+        dots.append(ax.plot([], [], "o", color="#c8410b", ms=6)[0])
     ax.set_xticks([0, 90, 180, 270, 360])
     ax.tick_params(labelsize=7)
     ax.set_xlabel("phase of the drive [°]", fontsize=8, labelpad=1)
     ax.set_ylabel("[mm]", fontsize=8)
     ax.grid(alpha=0.3)
+    direction = np.asarray(film.trajectory.scene.drive.direction)
 
     def draw(k: int) -> None:
         at = 360 * (film.frames[k].cycle % 1)
-        dot.set_data([at], [amplitude * np.sin(np.radians(at))])
+        for dot, one in zip(dots, film.every, strict=True):
+            dot.set_data([at], [1e3 * float(one.trajectory.displacement[k] @ direction)])
         ax.set_title(f"cycle {film.frames[k].cycle:.2f}", fontsize=9)
 
     return draw
 
 
 def _course(ax, film: Film):
-    effectiveness = film.trajectory.effectiveness
-    cycle = np.arange(1, len(effectiveness) + 1)
-    ax.plot(cycle, effectiveness, "o-", ms=3, lw=1, color="#1b6ca8")
-    ax.plot(cycle[: film.discarded], effectiveness[: film.discarded], "o", ms=2, color="white")
+    for k, (one, colour) in enumerate(_lines(film), 1):
+        effectiveness = one.trajectory.effectiveness
+        cycle = np.arange(1, len(effectiveness) + 1)
+        ax.plot(cycle, effectiveness, "o-", ms=3, lw=1, color=colour, label=f"damper {k}")
+        ax.plot(cycle[: one.discarded], effectiveness[: one.discarded], "o", ms=2, color="white")
     rule = ax.axvline(1, color="#c8410b", lw=1)
-    ax.set_ylim(0, 1.1 * max(float(np.max(effectiveness)), 1e-12))
+    most = max(float(np.max(one.trajectory.effectiveness)) for one in film.every)
+    ax.set_ylim(0, 1.1 * max(most, 1e-12))
+    if film.beside:
+        ax.legend(fontsize=7)
     ax.tick_params(labelsize=7)
     ax.set_xlabel("cycle", fontsize=8, labelpad=1)
     ax.set_ylabel("effectiveness [-]", fontsize=8)
     ax.grid(alpha=0.3)
 
     def draw(k: int) -> None:
-        now = min(len(effectiveness), int(film.frames[k].cycle) + 1)
+        now = min(len(film.trajectory.effectiveness), int(film.frames[k].cycle) + 1)
         rule.set_xdata([now, now])
 
     return draw

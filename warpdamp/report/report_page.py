@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .content import content, cost, optima_table, question_and_answers
 from .film import Film
-from .film_page import film_data
+from .film_page import films_data
 from .offline import as_json, page, write_page
 from .tables import verdicts
 
@@ -47,7 +47,7 @@ def write_report(
         If Jinja2 is not installed.
     """
     shown = content(dataset, None if isinstance(modes, str) else modes)
-    shown["film"] = None if isinstance(film, str) else film_data(film)
+    shown["film"] = None if isinstance(film, str) else films_data(film)
     if not shown["modes"] and not isinstance(modes, str):
         modes = "The modes are known at the damper only: they have no shape to draw."
     question, answers = question_and_answers(dataset)
@@ -68,18 +68,21 @@ def write_report(
         map=_has_map(shown["dims"]),
         no_modes=modes if isinstance(modes, str) else "",
         no_film=film if isinstance(film, str) else "",
-        film_label="" if isinstance(film, str) else film.label,
+        film_label="" if isinstance(film, str) else "; ".join(one.label for one in film.every),
         no_calculator=shown["calculator"].get("why_not", ""),
         verdicts=verdicts(dataset),
         cost=cost(dataset),
         yaml=dataset.attrs.get("configuration", ""),
-        versions=[
-            (name, str(dataset.attrs[name])) for name in ("source", "history", "references") if name in dataset.attrs
-        ],
+        versions=versions_of(dataset),
         effects=str(dataset.attrs.get("effects", "")),
         data=as_json(shown),
     )
     write_page(text, path, MOST_BYTES)
+
+
+def versions_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
+    """What made results, as named values."""
+    return [(name, str(dataset.attrs[name])) for name in ("source", "history", "references") if name in dataset.attrs]
 
 
 def _preparation(dataset: xr.Dataset) -> str:

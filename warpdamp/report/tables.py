@@ -235,43 +235,6 @@ def verdicts(dataset: xr.Dataset, *, quick: bool = False) -> list[str]:
     return lines
 
 
-def coupled_verdicts(runs: xr.Dataset) -> list[str]:
-    """Sentences on coupled runs: what went in and came out at each level, who took the energy, how well it closes."""
-    lines = [runs.attrs["left_out"]] if "left_out" in runs.attrs else []
-    at_level = [runs.sel(level=level) for level in runs["level"].values]
-    lines += [f"level {float(one['level']):g}: {said}" for one in at_level if (said := _in_and_out(one))]
-    particles = runs["particle_loss"]
-    several = "damper" in particles.dims
-    total = particles.sum("damper") if several else particles
-    lost = total + runs["structure_loss"]
-    shares = [
-        100 * float((part / lost).mean()) for part in (particles.transpose("damper", ...) if several else [total])
-    ]
-    by = " + ".join(f"{share:.3g}" for share in shares)
-    whose = f" (dampers 1 to {len(shares)})" if several else ""
-    lines.append(
-        f"particles took {by} %{whose} of the energy lost; energy of structure and particles closes to "
-        f"{100 * float(runs['closure'].max()):.2g} % of it"
-    )
-    return lines
-
-
-def _in_and_out(runs: xr.Dataset) -> str:
-    """Root mean squares of noise and of its answer, and the peak of the curve, of one level."""
-    said = []
-    if "response_grms" in runs:
-        given, unit = (runs["base_grms"], "g") if "base_grms" in runs else (runs["force_rms"], "N")
-        out = runs["response_grms"].mean("seed")
-        each = " and ".join(f"{float(value):.3g}" for value in np.atleast_1d(out.values))
-        said.append(f"{float(given):.3g} {unit} rms in, {each} g rms out")
-    for name, unit in (("transmissibility", ""), ("accelerance", " m s^-2 N^-1")):
-        if f"{name}_real" in runs:
-            size = np.hypot(runs[f"{name}_real"], runs[f"{name}_imaginary"])
-            peak = float(size.idxmax("frequency"))
-            said.append(f"{name} at most {float(size.max()):.3g}{unit}, at {peak:.4g} Hz")
-    return "; ".join(said)
-
-
 def card_verdicts(part: xr.Dataset) -> list[str]:
     """Sentences on the points of a card whose worst case was not steady, worst first."""
     status = part["status"].values

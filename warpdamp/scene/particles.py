@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -72,6 +72,10 @@ class State:
     aspect : (n,) array
         Of spheroids, along over across their axes [-]; 1, spheres, unless given.  See ``scene.shape``.
 
+    Notes
+    -----
+    Axes and aspects that nobody gave, spheres', take no memory and cannot be written to.
+
     Raises
     ------
     ValueError
@@ -105,9 +109,9 @@ class State:
         if not len(self.species):
             self.species = np.zeros(n, np.int32)
         if not len(self.axis):
-            self.axis = np.tile(UPRIGHT, (n, 1))
+            self.axis = np.broadcast_to(UPRIGHT, (n, 3))
         if not len(self.aspect):
-            self.aspect = np.ones(n)
+            self.aspect = np.broadcast_to(1.0, n)
         if len(self.pairs) and np.any(self.pairs[:, 0] >= self.pairs[:, 1]):
             raise ValueError("pairs are (i, j) with i < j")
         length = np.linalg.norm(self.axis, axis=1)
@@ -139,10 +143,12 @@ class State:
         position = np.array(position, float).reshape(-1, 3)
         radius = np.broadcast_to(np.asarray(radius, float), len(position)).copy()
         species = np.broadcast_to(np.asarray(species, np.int32), len(position)).copy()
-        aspect = np.broadcast_to(np.asarray(aspect, float), len(position)).copy()
-        axis = np.broadcast_to(np.asarray(axis, float), position.shape).copy()
+        spheres = np.ndim(aspect) == 0 and aspect == 1
+        upright = np.shape(axis) == (3,) and tuple(axis) == UPRIGHT
+        aspect = () if spheres else np.broadcast_to(np.asarray(aspect, float), len(position))
+        axis = () if spheres and upright else np.broadcast_to(np.asarray(axis, float), position.shape)
         still = np.zeros_like(position)
-        return cls(position, still, still.copy(), radius, species=species, aspect=aspect, axis=axis)
+        return cls(position, still, still.copy(), radius, species=species, aspect=np.array(aspect), axis=np.array(axis))
 
     def __len__(self) -> int:
         return len(self.position)
@@ -286,6 +292,10 @@ class ContactHistory:
         Unit vectors from j to i at spheroids' contacts, or ones that part them; zeros for spheres unless given.
     arm : (..., 3) array
         From i's centre to spheroids' contacts [m]; zeros for spheres unless given.
+
+    Notes
+    -----
+    Normals and arms that nobody gave take no memory and cannot be written to.
     """
 
     stretch: np.ndarray
@@ -297,7 +307,7 @@ class ContactHistory:
     def __post_init__(self):
         for name in ("normal", "arm"):
             if getattr(self, name) is None:
-                object.__setattr__(self, name, np.zeros_like(self.stretch))
+                object.__setattr__(self, name, np.broadcast_to(0.0, self.stretch.shape))
 
     @classmethod
     def none(cls, *shape: int) -> ContactHistory:
@@ -309,7 +319,7 @@ class ContactHistory:
 
     def __getitem__(self, which) -> ContactHistory:
         """History of the contacts selected by ``which``."""
-        return ContactHistory(*(array[which] for array in vars(self).values()))
+        return ContactHistory(*(array[which] for array in self._kept()))
 
     def seen_from_the_other(self, where: np.ndarray, between: np.ndarray | None = None) -> ContactHistory:
         """History with particles i and j exchanged where ``where`` is true: stretches and normals change their sign.
@@ -326,8 +336,21 @@ class ContactHistory:
         ContactHistory
         """
         sign = np.where(where, -1.0, 1.0)[..., None]
+        turned = ContactHistory(sign * self.stretch, self.radius, sign * self.roll)
+        if self._of_spheres:
+            return turned
         arm = self.arm if between is None else np.where(where[..., None], self.arm + between, self.arm)
-        return ContactHistory(sign * self.stretch, self.radius, sign * self.roll, sign * self.normal, arm)
+        return replace(turned, normal=sign * self.normal, arm=arm)
+
+    @property
+    def _of_spheres(self) -> bool:
+        """Whether nobody gave normals and arms: the zeros that stand for them are one number."""
+        return not any(self.normal.strides + self.arm.strides)
+
+    def _kept(self) -> tuple[np.ndarray, ...]:
+        """The arrays, without the zeros that stand for spheres' normals and arms."""
+        plain = (self.stretch, self.radius, self.roll)
+        return plain if self._of_spheres else (*plain, self.normal, self.arm)
 
 
 UPRIGHT = (0.0, 0.0, 1.0)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .particles import State
+from .particles import UPRIGHT, State
 from .scene import Cylinder
 
 MOST_STEPS = 30
@@ -242,11 +242,15 @@ def wall_overlaps(state: State, enclosure: Cylinder) -> dict[str, np.ndarray]:
     state : State
     enclosure : Cylinder
     """
-    spheroids = spheroids_of(state)
-    rise = spheroids.height(np.tile((0.0, 0.0, 1.0), (len(state), 1)))
-    z = state.position[:, 2]
+    x, y, z = state.position.T
+    if np.all(state.aspect == 1):
+        rise, farthest = state.radius, np.hypot(x, y) + state.radius
+    else:
+        spheroids = spheroids_of(state)
+        rise = spheroids.height(np.tile(UPRIGHT, (len(state), 1)))
+        farthest, _ = farthest_from_axis(state.position, spheroids)
     overlaps = {
-        "side": farthest_from_axis(state.position, spheroids)[0] - enclosure.diameter / 2,
+        "side": farthest - enclosure.diameter / 2,
         "floor": rise - z,
         "lid": z + rise - enclosure.height,
     }

@@ -35,6 +35,10 @@ WITHOUT_FILM = (Status.NOT_FINITE, Status.ESCAPED)
 """Statuses of cases that stopped before their end; those from ``FAILED`` on did not even begin, or have no results."""
 
 
+NEEDED = ("status", "cycles", "cycles_discarded")
+"""Variables without which it is not known how a case ran."""
+
+
 @dataclass(frozen=True)
 class Again:
     """Case run again, recorded.
@@ -52,6 +56,8 @@ class Again:
         Values of the case as the results hold them.
     differing : dict
         Variables that came out otherwise, with the value stored and that of now; empty if every bit is the same.
+    apart : str
+        Sentence instead of a comparison, where there are no numbers to compare with.
     """
 
     title: str
@@ -60,10 +66,13 @@ class Again:
     trajectory: Trajectory
     values: dict
     differing: dict = field(default_factory=dict)
+    apart: str = ""
 
     @property
     def remark(self) -> str:
         """Sentence on how the numbers of now compare with those of the results."""
+        if self.apart:
+            return self.apart
         if not self.differing:
             return "the case run again, its energies the same in every bit"
         before, now = self.differing.get("energy_dissipated", next(iter(self.differing.values())))
@@ -113,7 +122,9 @@ def again(
     dataset = read(source) if source.suffix == ".nc" else None
     config = load(source) if dataset is None else stored_config(dataset, source)
     if config.dampers:
-        raise UsageError(f"{source}: several dampers on one structure: film a study of one of them")
+        raise UsageError(f"{source}: is of several dampers on one structure: each has a case of its own")
+    if dataset is not None and (missing := [name for name in NEEDED if name not in dataset]):
+        raise UsageError(f"{source}: these are not the results of a whole run: there is no {missing[0]}")
     if dataset is not None and not anyway and (made := physics_of(dataset)) != PHYSICS_VERSION:
         raise UsageError(
             f"{source}: made by version {made} of the physics, and this is {PHYSICS_VERSION}: run the study again, or "
@@ -123,14 +134,12 @@ def again(
     numbers = candidates(cases, choice)
     number = only(cases, numbers) if dataset is None else _most_effective(cases, dataset, numbers)
     chain, criteria = chain_of(cases, number)
-    values = _simulated(chain, criteria) if dataset is None else [_stored(cases, dataset, n) for n, _ in chain]
+    values = simulated(chain, criteria) if dataset is None else [_stored(cases, dataset, n) for n, _ in chain]
     for (n, _), own in zip(chain, values, strict=True):
-        _refuse_failed(label(cases, n), own)
+        refuse_failed(label(cases, n), own)
     specs = [spec for _, spec in chain]
     counts = [int(own["cycles"]) for own in values]
-    if (
-        steps := sum(n * own.steps_per_cycle * len(own.bed.grains) for n, own in zip(counts, specs, strict=True))
-    ) > most:
+    if (steps := particle_steps(chain, counts)) > most:
         raise UsageError(f"the case takes {steps:.2g} particle-steps: warpdamp film {source} films it")
     trajectory = record(specs, counts, frames=frames, shown=shown, report=report)
     differing = _differing(trajectory, specs[-1], values[-1])
@@ -181,9 +190,14 @@ def chain_of(cases: Cases, number: int) -> tuple[list[tuple[int, Spec]], Criteri
     return [(int(n), cases.spec(int(n))[0]) for n in numbers], cases.spec(number)[1]
 
 
-def _simulated(chain, criteria: Criteria) -> list[dict]:
+def simulated(chain, criteria: Criteria) -> list[dict]:
     """Values of the cases of a chain, run now."""
     return [values for _, values in shake([[spec for _, spec in chain]], criteria)]
+
+
+def particle_steps(chain: list[tuple[int, Spec]], cycles: list[int]) -> int:
+    """Particle-steps that cases of a chain take."""
+    return sum(n * own.steps_per_cycle * len(own.bed.grains) for n, (_, own) in zip(cycles, chain, strict=True))
 
 
 def _position(cases: Cases, dataset: xr.Dataset, number: int) -> dict[str, int] | None:
@@ -226,7 +240,16 @@ def _failed(values: dict) -> bool:
     return status == Status.NOT_RUN or status in WITHOUT_FILM or status >= Status.FAILED
 
 
-def _refuse_failed(name: str, values: dict) -> None:
+def refuse_failed(name: str, values: dict) -> None:
+    """Refuse a case that stopped before its end, or was not run.
+
+    Raises
+    ------
+    UsageError
+        If it was not run.
+    SimulationError
+        If it had failed.
+    """
     status = Status(int(values["status"]))
     if status == Status.NOT_RUN:
         raise UsageError(f"the results have no case at {name}: it was not run")

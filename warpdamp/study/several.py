@@ -69,7 +69,7 @@ def studies(config: Config) -> tuple[list[Config], list[Modes]]:
             raise config.error(
                 f"dampers.{k}.{config.dampers[k].place}", "is on a node of every mode, where it damps none"
             )
-        frequency, gamma = zip(*((f, g) for _, _, f, g in _cases(config, modes, seen[0])), strict=True)
+        frequency, gamma = zip(*((f, g) for _, _, f, g in cases_of(config, modes, seen[0])), strict=True)
         excitation = own.excitation.model_copy(update={"frequency": frequency[0], "gamma": gamma[0]})
         together = {"excitation.frequency": list(frequency), "excitation.gamma": list(gamma)}
         study = own.model_copy(
@@ -84,7 +84,7 @@ def studies(config: Config) -> tuple[list[Config], list[Modes]]:
     return found, seen
 
 
-def _cases(config: Config, modes: Modes, reference: Modes):
+def cases_of(config: Config, modes: Modes, reference: Modes):
     """Row of the mode, row of Gamma, frequency [Hz] and own Gamma of every case of a damper."""
     ratio = np.abs(modes.amplitude / reference.amplitude)
     for i in np.flatnonzero(~modes.on_node):
@@ -140,7 +140,7 @@ def _on_the_grid(config: Config, dataset: xr.Dataset, modes: Modes, reference: M
     import xarray as xr
 
     shape = (len(modes.frequency), len(as_list(config.excitation.gamma)))
-    rows = [(i, k) for i, k, _, _ in _cases(config, modes, reference)]
+    rows = [(i, k) for i, k, _, _ in cases_of(config, modes, reference)]
     effectiveness, error = over_packings(dataset, "effectiveness")
     values = {
         "energy_mean": dataset["energy_mean"],

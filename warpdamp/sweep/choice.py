@@ -71,7 +71,7 @@ def candidates(cases: Cases, choice: Choice) -> np.ndarray:
         if name not in known:
             raise UsageError(f"there is no {name} to choose by: the cases differ in {', '.join(known)}")
         dim, values = known[name]
-        fits = np.array([_same(value, text) for value in values])
+        fits = np.array([same(value, text) for value in values])
         if not fits.any():
             raise UsageError(f"there is no case with {name} {text}: there is {_listed(values)}")
         shape = [1] * left.ndim
@@ -135,7 +135,7 @@ def label(cases: Cases, number: int) -> str:
     return ", ".join(words).replace("gamma", "Γ")
 
 
-def _same(value, text: str) -> bool:
+def same(value, text: str) -> bool:
     """Whether a value is the one asked for."""
     try:
         return math.isclose(float(value), float(text), rel_tol=SAME)

@@ -8,6 +8,7 @@ import math
 
 from pydantic import ValidationError
 
+from ..config.plausible import refusal
 from ..config.quantities import to_si
 from ..config.study import Config
 from ..config.sweep import Between, Range, SampleConfig, Span, spread
@@ -225,6 +226,9 @@ class Reader:
             if len(line.cells) != len(paths):
                 raise self.config.error(place, f"{where}: {len(line.cells)} values for {len(paths)} columns")
             cells = [_cell(cell, title.unit) for cell, title in zip(line.cells, heads, strict=True)]
+            for path, cell in zip(paths, cells, strict=True):
+                if said := refusal(dotted(path), cell):
+                    raise self.config.error(place, f"{where}: {dotted(path)}: {said}")
             row = _in_file(where, self._read, dict(zip(paths, cells, strict=True)), place)
             values.append(tuple(row[path] for path in paths))
         return Axis(CASE, tuple(paths), tuple(values))

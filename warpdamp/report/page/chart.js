@@ -55,6 +55,7 @@ function ticks(low, high, count) {
 
 function logTicks(low, high) {
   const found = [];
+  if (high < 10 * low) return ticks(low, high, 5);
   for (let p = Math.floor(Math.log10(low)); p <= Math.ceil(Math.log10(high)); p++)
     for (const k of [1, 2, 5]) {
       const value = k * 10 ** p;
@@ -142,37 +143,41 @@ function legend(box, items) {
   box.append(node);
 }
 
-/* Lines of points {x, y, half, hollow, note}; half is the half-width of the interval.  Returns a function that marks an x. */
+/* Lines of points {x, y, half or ends, hollow, note}: half-width of the interval, or its ends; of a series that is silent nothing is said.  Returns a function that marks an x. */
 function lineChart(box, { label, x, y, series, height = 300, joined = true }) {
   const every = series.flatMap((one) => one.points);
   const xr = x.range || extent(every.map((p) => p.x));
-  const spread = every.flatMap((p) => (Number.isFinite(p.half) ? [p.y - p.half, p.y + p.half] : [p.y]));
+  const endsOf = (p) => p.ends || (Number.isFinite(p.half) && p.half > 0 ? [p.y - p.half, p.y + p.half] : null);
+  const words = (p) => (p.ends ? `${shown(p.y, 4)} (${shown(p.ends[0], 3)} to ${shown(p.ends[1], 3)})` : withInterval(p.y, p.half)) + (p.note ? `  (${p.note})` : "");
+  const spread = every.flatMap((p) => [p.y, ...(endsOf(p) || [])]);
   let [low, high] = extent(spread);
   if (y.zero) low = Math.min(0, low);
   const pad = (high - low) * 0.05 || Math.abs(high) * 0.1 || 1;
   const yr = [y.zero && low === 0 ? 0 : low - pad, high + pad];
-  const edge = x.log ? xr : [xr[0] - 0.02 * (xr[1] - xr[0]), xr[1] + 0.02 * (xr[1] - xr[0])];
+  const beyond = 0.02 * (x.log ? Math.log(xr[1] / xr[0]) : xr[1] - xr[0]);
+  const edge = x.log ? [xr[0] * Math.exp(-beyond), xr[1] * Math.exp(beyond)] : [xr[0] - beyond, xr[1] + beyond];
   const c = axes(box, { label, height, x: { ...x, range: edge }, y: { ...y, range: yr } });
   series.forEach((one, k) => {
     const colour = one.colour || COLOURS[k % COLOURS.length];
     const points = one.points.filter((p) => Number.isFinite(p.x) && Number.isFinite(p.y));
-    if (joined && points.length > 1) {
+    if ((joined || one.silent) && points.length > 1) {
       const path = points.map((p, i) => `${i ? "L" : "M"}${c.X(p.x).toFixed(1)} ${c.Y(p.y).toFixed(1)}`).join("");
-      c.plot.append(s("path", { d: path, fill: "none", stroke: colour, "stroke-width": 1.6 }));
+      c.plot.append(s("path", { d: path, fill: "none", stroke: colour, "stroke-width": one.silent ? 1 : 1.6, "stroke-dasharray": one.dash || "none" }));
     }
     for (const p of points) {
-      if (Number.isFinite(p.half) && p.half > 0)
-        c.plot.append(s("line", { x1: c.X(p.x), x2: c.X(p.x), y1: c.Y(p.y - p.half), y2: c.Y(p.y + p.half), stroke: colour }));
+      const ends = endsOf(p);
+      if (ends) c.plot.append(s("line", { x1: c.X(p.x), x2: c.X(p.x), y1: c.Y(ends[0]), y2: c.Y(ends[1]), stroke: colour }));
       if (one.dots !== false)
         c.plot.append(s("circle", { cx: c.X(p.x), cy: c.Y(p.y), r: 3.2, fill: p.hollow ? "#fff" : colour, stroke: colour }));
     }
   });
   const rule = s("line", { y1: c.inner.top, y2: c.inner.bottom, stroke: "#1d2733", "stroke-dasharray": "3 3", visibility: "hidden" });
   c.plot.append(rule);
+  const spoken = series.filter((one) => !one.silent);
   c.svg.addEventListener("pointermove", (event) => {
     const at = c.pointer(event);
     let best = null;
-    series.forEach((one, k) =>
+    spoken.forEach((one) =>
       one.points.forEach((p) => {
         if (!Number.isFinite(p.y)) return;
         const away = joined ? Math.abs(c.X(p.x) - at[0]) : Math.hypot(c.X(p.x) - at[0], c.Y(p.y) - at[1]);
@@ -183,14 +188,15 @@ function lineChart(box, { label, x, y, series, height = 300, joined = true }) {
     const here = joined ? best.p.x : null;
     const lines = [`${x.label}: ${shown(best.p.x, 5)}`];
     if (joined)
-      for (const one of series) {
+      for (const one of spoken) {
         const p = one.points.find((q) => q.x === here);
-        if (p) lines.push(`${one.name ? one.name + ": " : ""}${withInterval(p.y, p.half)}${p.note ? "  (" + p.note + ")" : ""}`);
+        if (p) lines.push(`${one.name ? one.name + ": " : ""}${words(p)}`);
       }
-    else lines.push(`${y.label}: ${withInterval(best.p.y, best.p.half)}`, ...(best.p.note ? [best.p.note] : []));
+    else lines.push(`${y.label}: ${words(best.p)}`);
     c.say([c.X(best.p.x), at[1]], lines.join("\n"));
   });
-  if (series.length > 1) legend(box, series.map((one, k) => [one.name, one.colour || COLOURS[k % COLOURS.length]]));
+  const items = series.map((one, k) => [one.name, one.colour || COLOURS[k % COLOURS.length]]);
+  if (series.length > 1) legend(box, items.filter(([name]) => name));
   return (value) => {
     rule.setAttribute("x1", c.X(value));
     rule.setAttribute("x2", c.X(value));

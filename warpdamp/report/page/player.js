@@ -1,5 +1,5 @@
 "use strict";
-/* Player of a recorded case: a view that turns, drawn on a canvas without perspective.
+/* Player of recorded cases, of one moment each: a view that turns, drawn on a canvas without perspective.
 
 A spheroid of semi-axes a along u and b across it has the outline of an ellipse: with w the part of u in the plane of
 the picture, sqrt(b^2 + (a^2 - b^2) |w|^2) along w and b across. */
@@ -27,41 +27,17 @@ function balls(map) {
   });
 }
 
-async function filmPlayer(root, film) {
+/* The canvas of one cavity; what is shared with those beside it are view, state, colours and the size of the picture. */
+async function stageOf(film, shared) {
   const arrays = await unpack(film.packed);
-  const n = film.particles, frames = film.frames, cavity = film.cavity;
-  const sprites = balls(film.colours);
-  const view = { turn: 0.6, tilt: 0.25, zoom: 1 };
-  const state = { frame: 0, playing: false, colour: film.colour, forces: film.forces, moving: true };
-
+  const n = film.particles, cavity = film.cavity;
   const canvas = h("canvas", { role: "img", tabindex: "0", "aria-label": film.alt });
-  const play = h("button", { type: "button" }, "Play");
-  const slider = h("input", { type: "range", min: 0, max: frames - 1, value: 0, "aria-label": "frame" });
-  const which = h("select", {}, ...Object.entries(film.quantities).map(([key, q]) => h("option", { value: key }, q.name)));
-  which.value = state.colour;
-  const forces = h("input", { type: "checkbox" });
-  forces.checked = state.forces;
-  const moving = h("input", { type: "checkbox" });
-  moving.checked = true;
-  const reset = h("button", { type: "button" }, "Reset view");
-  const least = h("span", {}, "0"), most = h("span", {}), strip = h("i", {});
-  strip.style.background = `linear-gradient(90deg, ${colourTable(film.colours).filter((_, k) => k % 8 === 0).join(",")})`;
-  const clock = h("p", { class: "quiet" });
-  const dial = h("div", {}), curve = h("div", {});
-  root.replaceChildren(
-    h("div", {}, canvas, h("div", { class: "play" }, play, slider), h("div", { class: "bar" }, least, strip, most),
-      h("div", { class: "controls" }, h("label", {}, "Colour by", which), h("label", { class: "check" }, forces, `Contact forces (thickest: ${shown(film.strongest)} N)`),
-        h("label", { class: "check" }, moving, "Cavity moves"), reset),
-      h("p", { class: "quiet" }, "Drag or use the arrow keys to turn, the wheel or + and − to zoom.")),
-    h("div", {}, h("h2", { class: "small" }, "Phase of the drive"), dial, clock, h("h2", { class: "small" }, "Effectiveness, cycle by cycle"), curve,
-      h("p", { class: "quiet" }, film.remark))
-  );
-  root.classList.add("film");
 
   const place = (f, i) => 3 * (f * n + i);
   const at = (k, axis) => film.low[axis] + (arrays.position[k + axis] / 65535) * (film.high[axis] - film.low[axis]);
 
   function draw() {
+    const { state, view, sprites } = shared;
     const side = Math.round(canvas.clientWidth * (window.devicePixelRatio || 1)) || 480;
     if (canvas.width !== side) canvas.width = canvas.height = side;
     const pen = canvas.getContext("2d");
@@ -69,8 +45,7 @@ async function filmPlayer(root, film) {
     const [ct, st, ce, se] = [Math.cos(view.turn), Math.sin(view.turn), Math.cos(view.tilt), Math.sin(view.tilt)];
     const right = [ct, st, 0], up = [-st * se, ct * se, ce], towards = [st * ce, -ct * ce, se];
     const dot = (u, v) => u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-    const away = Math.hypot(...film.sway);
-    const size = (0.46 * side * view.zoom) / (Math.hypot(cavity.radius, cavity.height / 2) + away);
+    const size = (0.46 * side * view.zoom) / shared.reach;
     const shift = state.moving ? film.displacement[f] : [0, 0, 0];
     const seen = (p) => {
       const q = [p[0] + shift[0], p[1] + shift[1], p[2] + shift[2] - cavity.height / 2];
@@ -154,18 +129,60 @@ async function filmPlayer(root, film) {
     }
   }
 
+  return { film, canvas, draw };
+}
+
+const reachOf = (film) => Math.hypot(film.cavity.radius, film.cavity.height / 2) + Math.hypot(...film.sway);
+
+async function filmPlayer(root, films) {
+  const film = films[0], frames = film.frames;
+  const view = { turn: 0.6, tilt: 0.25, zoom: 1 };
+  const state = { frame: 0, playing: false, colour: film.colour, forces: film.forces, moving: true };
+  const shared = { view, state, sprites: balls(film.colours), reach: Math.max(...films.map(reachOf)) };
+  const stages = await Promise.all(films.map((one) => stageOf(one, shared)));
+  const draw = () => stages.forEach((stage) => stage.draw());
+
+  const play = h("button", { type: "button" }, "Play");
+  const slider = h("input", { type: "range", min: 0, max: frames - 1, value: 0, "aria-label": "frame" });
+  const which = h("select", {}, ...Object.entries(film.quantities).map(([key, q]) => h("option", { value: key }, q.name)));
+  which.value = state.colour;
+  const forces = h("input", { type: "checkbox" });
+  forces.checked = state.forces;
+  const moving = h("input", { type: "checkbox" });
+  moving.checked = true;
+  const reset = h("button", { type: "button" }, "Reset view");
+  const least = h("span", {}, "0"), most = h("span", {}), strip = h("i", {});
+  strip.style.background = `linear-gradient(90deg, ${colourTable(film.colours).filter((_, k) => k % 8 === 0).join(",")})`;
+  const clock = h("p", { class: "quiet" });
+  const dial = h("div", {}), curve = h("div", {});
+  root.replaceChildren(
+    h("div", {}, h("div", { class: "stages" }, ...stages.map((stage) => h("figure", {}, stage.canvas, ...(films.length > 1 ? [h("figcaption", { class: "quiet" }, stage.film.label)] : [])))),
+      h("div", { class: "play" }, play, slider), h("div", { class: "bar" }, least, strip, most),
+      h("div", { class: "controls" }, h("label", {}, "Colour by", which), h("label", { class: "check" }, forces, `Contact forces (thickest: ${shown(film.strongest)} N)`),
+        h("label", { class: "check" }, moving, "Cavity moves"), reset),
+      h("p", { class: "quiet" }, "Drag or use the arrow keys to turn, the wheel or + and − to zoom.")),
+    h("div", {}, h("h2", { class: "small" }, "Phase of the drive"), dial, clock, h("h2", { class: "small" }, "Effectiveness, cycle by cycle"), curve,
+      h("p", { class: "quiet" }, film.remark))
+  );
+  root.classList.add("film");
+  if (films.length > 1) root.classList.add("several");
+
   let hand = null, mark = null;
   function drawDial() {
-    const points = Array.from({ length: 61 }, (_, k) => ({ x: k * 6, y: film.drive.displacement * Math.sin((k * Math.PI) / 30) }));
+    const name = (one, single) => (films.length > 1 ? `damper ${one.damper}` : single);
+    const wave = (one) => {
+      const apart = 2 * Math.PI * (one.cycle[0] - film.cycle[0]);
+      return Array.from({ length: 61 }, (_, k) => ({ x: k * 6, y: one.drive.displacement * Math.sin((k * Math.PI) / 30 + apart) }));
+    };
     hand = lineChart(dial, {
       label: `displacement of the cavity over one cycle of the drive, amplitude ${shown(film.drive.displacement)} mm`,
       x: { label: "phase [°]", ticks: [0, 90, 180, 270, 360] }, y: { label: "cavity [mm]" }, height: 160,
-      series: [{ name: "displacement", points, dots: false }],
+      series: films.map((one) => ({ name: name(one, "displacement"), points: wave(one), dots: false })),
     });
-    const cycles = film.effectiveness.map((y, k) => ({ x: k + 1, y, hollow: k < film.discarded }));
+    const cycles = (one) => one.effectiveness.map((y, k) => ({ x: k + 1, y, hollow: k < one.discarded }));
     mark = lineChart(curve, {
-      label: `effectiveness of each of ${cycles.length} cycles`, x: { label: "cycle" }, y: { label: "effectiveness [-]", zero: true }, height: 220,
-      series: [{ name: "effectiveness", points: cycles, dots: cycles.length <= 80 }],
+      label: `effectiveness of each of ${film.effectiveness.length} cycles`, x: { label: "cycle" }, y: { label: "effectiveness [-]", zero: true }, height: 220,
+      series: films.map((one) => ({ name: name(one, "effectiveness"), points: cycles(one), dots: one.effectiveness.length <= 80 })),
     });
     tell();
   }
@@ -203,14 +220,24 @@ async function filmPlayer(root, film) {
   forces.addEventListener("change", () => { state.forces = forces.checked; draw(); });
   moving.addEventListener("change", () => { state.moving = moving.checked; draw(); });
   reset.addEventListener("click", () => { Object.assign(view, { turn: 0.6, tilt: 0.25, zoom: 1 }); draw(); });
-  let held = null;
-  canvas.addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY]; canvas.setPointerCapture(event.pointerId); });
-  canvas.addEventListener("pointerup", () => { held = null; });
-  canvas.addEventListener("pointermove", (event) => {
-    if (!held) return;
-    turnBy(0.01 * (event.clientX - held[0]), 0.01 * (event.clientY - held[1]));
-    held = [event.clientX, event.clientY];
-  });
+  for (const { canvas } of stages) {
+    let held = null;
+    canvas.addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY]; canvas.setPointerCapture(event.pointerId); });
+    canvas.addEventListener("pointerup", () => { held = null; });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!held) return;
+      turnBy(0.01 * (event.clientX - held[0]), 0.01 * (event.clientY - held[1]));
+      held = [event.clientX, event.clientY];
+    });
+    canvas.addEventListener("wheel", (event) => { event.preventDefault(); zoomBy(event.deltaY < 0 ? 1.1 : 1 / 1.1); }, { passive: false });
+    canvas.addEventListener("keydown", (event) => {
+      const keys = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
+      if (keys[event.key]) turnBy(...keys[event.key]);
+      else if (event.key === "+" || event.key === "-") zoomBy(event.key === "+" ? 1.1 : 1 / 1.1);
+      else return;
+      event.preventDefault();
+    });
+  }
   function turnBy(round, over) {
     view.turn -= round;
     view.tilt = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, view.tilt + over));
@@ -220,15 +247,7 @@ async function filmPlayer(root, film) {
     view.zoom = Math.max(0.4, Math.min(8, view.zoom * factor));
     draw();
   }
-  canvas.addEventListener("wheel", (event) => { event.preventDefault(); zoomBy(event.deltaY < 0 ? 1.1 : 1 / 1.1); }, { passive: false });
-  canvas.addEventListener("keydown", (event) => {
-    const keys = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
-    if (keys[event.key]) turnBy(...keys[event.key]);
-    else if (event.key === "+" || event.key === "-") zoomBy(event.key === "+" ? 1.1 : 1 / 1.1);
-    else return;
-    event.preventDefault();
-  });
-  responsive(canvas, draw);
+  for (const stage of stages) responsive(stage.canvas, stage.draw);
   responsive(curve, drawDial);
   scale();
   root.dataset.ready = "yes";

@@ -108,7 +108,7 @@ async function reportPage(report) {
   }
 
   function heat(t) {
-    const table = report.film ? report.film.colours : HEAT;
+    const table = report.film ? report.film[0].colours : HEAT;
     const [r, g, b] = table[Math.max(0, Math.min(table.length - 1, Math.round(t * (table.length - 1))))];
     return [`rgb(${r},${g},${b})`, "#ffffff"];
   }
