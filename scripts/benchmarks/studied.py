@@ -48,8 +48,8 @@ class Tenth:
 
 
 TENTHS = (
-    Tenth("friction", "contact", "friction", (0.2, 1.2), {280.0: ((1.4, 1.7, 2.0, 2.5), 8), 39.5: ((6.0,), 3)}),
-    Tenth("restitution", "contact", "restitution", (0.3, 0.9), {280.0: ((1.4, 2.0), 8), 39.5: ((6.0,), 3)}),
+    Tenth("friction", "contact", "friction", (0.2, 1.2), {280.0: ((1.4, 1.7, 2.0, 2.5), 8), 39.5: ((6.0,), 8)}),
+    Tenth("restitution", "contact", "restitution", (0.3, 0.9), {280.0: ((1.4, 2.0), 8), 39.5: ((6.0,), 8)}),
 )
 
 
