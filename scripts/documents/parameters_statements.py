@@ -85,6 +85,7 @@ def by_resonance() -> tuple[str, str]:
         for f, top, own in zip(over["frequency"].values, level.values, error.values, strict=True)
         if top + 2 * own < 1
     ]
+    below += [f"{r.arm} {r.measured:.2f} ± {r.error:.2f}" for r in found if r.measured + 2 * r.error < 1]
     loud = [(f, g, ends) for f, g, ends in amplified if ends[1] > 1]
     alike = float(np.mean(off**2)) < 2 and np.abs(off).max() < 3
     words = (
