@@ -296,12 +296,12 @@ def mechanism(factor: Factor, runs: xr.Dataset, frequency: float, gamma: float) 
     at = nearest(runs, frequency, gamma)
     part, eps = shares(at), at["effectiveness"].mean("seed")
     after = 1e3 * at["clearance_after"].mean("seed")
-    lid = at["lid_impulse"].mean("seed") / at["floor_impulse"].mean("seed")
+    lid = (at["lid_impulse"].mean("seed") / at["floor_impulse"].mean("seed")).where(eps > MOVING)
     rows = []
     for k, value in enumerate(runs[factor.key].values):
         own = [f"{float(part[kind].isel({dim: k})):.2f}" for kind in part]
         other = (float(a.isel({dim: k})) for a in (eps, after, lid))
-        rows.append([f"{factor.shown * value:.4g}", *own, *(f"{v:.3g}" for v in other)])
+        rows.append([f"{factor.shown * value:.4g}", *own, *(f"{v:.3g}" if np.isfinite(v) else "-" for v in other)])
     heading = [
         first_column(factor),
         *(f"{kind} / loss" for kind in part),
