@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import sys
 
 import pytest
 from typer.testing import CliRunner
@@ -9,6 +10,7 @@ from typer.testing import CliRunner
 from warpdamp import run
 from warpdamp.analysis.results import write
 from warpdamp.cli.app import app
+from warpdamp.errors import MissingLibrary
 from warpdamp.status import Status
 
 STUDY = """
@@ -105,6 +107,12 @@ def test_a_missing_extra_is_named_with_its_pip_line_before_anything_runs(
     find = importlib.util.find_spec
     monkeypatch.setattr("importlib.util.find_spec", lambda name, *rest: None if name == library else find(name, *rest))
     refused(warpdamp(*arguments), folder, library, f"pip install 'warpdamp[{extra}]'")
+
+
+def test_a_missing_cluster_library_is_named_with_its_pip_line(folder, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(MissingLibrary, match=r"Dask is not installed: pip install 'warpdamp\[cluster\]'"):
+        run(folder / "study.yaml", executor="dask", store=tmp_path)
 
 
 def test_a_folder_that_cannot_be_written(warpdamp, folder, monkeypatch):
