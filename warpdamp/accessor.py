@@ -12,7 +12,7 @@ from .analysis.effects import effect_of
 from .analysis.emulator import Emulator
 from .analysis.optimum import optimum
 from .analysis.regimes import regime
-from .analysis.results import over_packings
+from .analysis.results import kind_of, over_packings
 from .errors import UsageError
 from .files import netcdf_errors
 from .modal.apparent_mass import ROUNDING
@@ -244,5 +244,5 @@ def open_results(path: str | Path) -> xr.Dataset:
         dataset = xr.open_dataset(path)
     if "status" not in dataset:
         dataset.close()
-        raise UsageError(f"{path}: is not a results file of warpdamp (it has no status)")
+        raise UsageError(f"{path}: {kind_of(dataset)} (it has no status)")
     return dataset

@@ -11,10 +11,12 @@ from warpdamp.config.schema import json_schema
 INTRODUCTION = """# The YAML, key by key
 
 Written from the schema that `warpdamp schema` prints, with which editors complete and check a file. A quantity is a
-number with its unit, as `40 mm`; a bare number is in the SI unit named here; `2 %` is 0.02. Keys in **bold** must be
-given. Where the value may be *swept*, a list, `{from: a, to: b, n: 5}` or `{log: [a, b], n: 5}` makes an axis of the
-results; any other scalar is swept by its path in the section [sweep](#yaml-sweep). An unknown key is refused with the
-nearest known one, and whatever is wrong comes back as file, line, column, key and remedy.
+number with its unit, as `40 mm`; a bare number is in the SI unit named here; `2 %` is 0.02. A bare number that no one
+means (a density of 0.92, a spectrum of 0.04) is asked back for with its unit, and a coefficient of friction of 86 for
+its per cent; with a unit, extremes are taken. Keys in **bold** must be given. Where the value may be *swept*, a list,
+`{from: a, to: b, n: 5}` or `{log: [a, b], n: 5}` makes an axis of the results; any other scalar is swept by its path in
+the section [sweep](#yaml-sweep). An unknown key is refused with the nearest known one, and whatever is wrong comes back
+as file, line, column, key and remedy.
 """
 LIMITS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
 

@@ -210,7 +210,7 @@ def test_other_commands_say_what_the_file_is(write, tmp_path):
     drawn = CliRunner().invoke(app, ["plot", str(tmp_path / "coupled.nc")])
     assert drawn.exit_code == 0, drawn.output
     assert (tmp_path / "coupled.png").read_bytes()[:4] == b"\x89PNG"
-    for command in ("card", "frf"):
-        done = CliRunner().invoke(app, [command, str(tmp_path / "coupled.nc")])
+    for command, more in (("card", []), ("frf", []), ("compare", ["measured.csv"])):
+        done = CliRunner().invoke(app, [command, str(tmp_path / "coupled.nc"), *more])
         assert done.exit_code == 2
         assert "coupled.nc: holds coupled runs, no study of prescribed motion: warpdamp plot draws them" in done.output

@@ -189,7 +189,11 @@ def test_spellings_of_a_density(write, written):
             r"'MIL-STD-810H': MIL-STD-810 has a spectrum for each .* give its breakp",
         ),
         ("base: {random: {spectrum: NAVMAT}}", r"no spectrum 'NAVMAT'; .* or give its breakpoints"),
-        ("base: {random: {spectrum: [[20 Hz, 1 N^2/Hz], [30 Hz, 1]]}}", "has the wrong unit.* or in g\\^2/Hz$"),
+        ("base: {random: {spectrum: [[20 Hz, 1 N^2/Hz], [30 Hz, 1 g^2/Hz]]}}", "has the wrong unit.* or in g\\^2/Hz$"),
+        (
+            "base: {random: {spectrum: [[20 Hz, 0.01], [80, '0.04']]}}",
+            "0.01 without a unit is 0.01 m.2/s.3: write its unit, as '0.01 g.2/Hz', or '0.01 m.2/s.3' if that is meant",
+        ),
         ("base: {random: {spectrum: [[30 Hz, 1 g^2/Hz], [20 Hz, 1 g^2/Hz]]}}", "in the order of their frequencies"),
         ("base: {random: {spectrum: [[30.01 Hz, 1 g^2/Hz], [30.02 Hz, 1 g^2/Hz]]}}", "run it longer"),
         (

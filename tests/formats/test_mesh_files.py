@@ -9,6 +9,7 @@ from plate_theory import STEEL
 from warpdamp.errors import ModalError
 from warpdamp.formats.mesh_cells import EDGES, FACES, bent, tetrahedra, triangles
 from warpdamp.formats.mesh_file import load_mesh, load_named
+from warpdamp.modal.beam import Beam, PointMass, beam_modes
 from warpdamp.modal.clamp import Clamp
 from warpdamp.modal.section import MeshedSection, moments
 from warpdamp.modal.solid import MeshedSolid, StandingMass, solid_modes
@@ -307,7 +308,7 @@ def test_a_named_edge_is_held(tmp_path):
         ([("hexahedron", None), ("wedge18", [list(range(18))])], r"holds 1 wedge18: no such cells can be computed with"),
         ([("hexahedron", None), ("wedge", [[0, 6, 8, 27, 28, 29]])], r"holds 8 hexahedron, 1 wedge, triangular faces of some against quadrilateral"),
         ([("line", [[0, 1], [1, 2]])], r"holds 2 line: neither a plane mesh nor a solid"),
-        ([("triangle", [[0, 1, 5], [1, 7, 23]])], r"lies in a plane z = constant; its points reach over 10"),
+        ([("triangle", [[0, 1, 5], [1, 7, 23]])], r"lies in a plane z = constant, and its points reach over 10"),
     ],
 )  # fmt: skip
 def test_cells_that_cannot_be_used_are_named_and_counted(written, kinds, message):
@@ -327,6 +328,28 @@ def test_folded_and_flat_cells_are_refused(written):
     flat = np.concatenate([tetrahedra(cells), [[0, 1, 2, 3]]])  # four points of the face x = 0
     with pytest.raises(ValueError, match="holds 1 cells without volume"):
         solid_modes(MeshedSolid(written(points, [("tetra", flat)]), STEEL), mass)
+
+
+def test_nodes_in_the_middles_of_edges_in_another_order_are_refused(written):
+    """Two of them exchanged, as programs order them differently: some cells have no volume at a point."""
+    points, cells = strip()
+    nodes, rows = second_order(points, tetrahedra(cells), "tetra10")
+    exchanged = rows[:, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]]
+    mass = StandingMass(0.0, (0.1, 0.0, 0.0), 0.01)
+    with pytest.raises(ModalError, match=r"holds .*cells.* folded"):
+        solid_modes(MeshedSolid(written(nodes, [("tetra10", exchanged)]), STEEL), mass)
+
+
+def test_folded_cells_of_a_section_and_one_of_another_unit_are_refused(written):
+    points = np.array([(x, y, 0.0) for x in (-10.0, 0.0, 10.0) for y in (-2.0, 2.0)])
+    quads = np.array([[0, 2, 3, 1], [2, 4, 5, 3]])
+    crossed = np.array([[0, 2, 3, 1], [2, 4, 3, 5]])
+    with pytest.raises(ModalError, match="holds 0 cells without volume and 1 that are folded: mesh it again"):
+        MeshedSection(written(points, [("quad", crossed)]), 1e-3).basis()
+    damper = PointMass(0.0, 0.29)
+    beam = Beam(0.58, MeshedSection(written(points, [("quad", quads)])), STEEL)
+    with pytest.raises(ModalError, match=r"a section of 2e\+04 x 4000 mm on a beam 580 mm long: is its unit right\?"):
+        beam_modes(beam, damper)
 
 
 @pytest.mark.parametrize(

@@ -196,6 +196,8 @@ def test_a_mass_that_is_shaken_off_bends_the_peak_over():
 
 
 def test_what_cannot_be_had_is_refused(beam):
+    with pytest.raises(ModalError, match="a force of -1 N: expected an amplitude above 0 N"):
+        constant_force(beam, -1.0)
     with pytest.raises(ModalError, match=r"drives the damper above Gamma 14.*take a force between 0 and 1\.59"):
         constant_force(beam, 5.0, (30, 50))
     with pytest.raises(ModalError, match=r"reach from 0.5 to 14"):

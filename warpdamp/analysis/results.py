@@ -141,9 +141,13 @@ def read(path: Path, *, coupled: bool = False, design: bool = False) -> xr.Datas
         dataset = xr.load_dataset(path)
     accepted = (coupled and is_coupled(dataset)) or (design and is_design(dataset))
     if "effectiveness" not in dataset and not accepted:
-        what = next((what for name, what in OTHERS.items() if name in dataset), "is not a results file of warpdamp")
-        raise UsageError(f"{path}: {what} (it has no effectiveness)")
+        raise UsageError(f"{path}: {kind_of(dataset)} (it has no effectiveness)")
     return dataset
+
+
+def kind_of(dataset: xr.Dataset) -> str:
+    """Sentence on what a file is that is no results of a study."""
+    return next((what for name, what in OTHERS.items() if name in dataset), "is not a results file of warpdamp")
 
 
 OTHERS = {

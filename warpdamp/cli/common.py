@@ -31,7 +31,10 @@ def one_line_errors():
 
 def writable(folder: Path) -> None:
     """Make the folder, or say why not, before anything long starts."""
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{folder}: cannot be made ({error.strerror}): name another folder") from None
     if not os.access(folder, os.W_OK):
         raise UsageError(f"{folder}: cannot be written")
 

@@ -25,7 +25,7 @@ def design(
     """
     with one_line_errors():
         from ..analysis.results import write
-        from ..config.reading import resolved_yaml
+        from ..config.reading import IN_SI, resolved_yaml
         from ..design.dataset import to_dataset
         from ..design.run import design as search
         from ..files import whole_file
@@ -45,7 +45,8 @@ def design(
         said = "\n".join(lines(answer))
         target = output / f"{config.stem}-design.yaml"
         with whole_file(target) as part:
-            part.write_text(f"# {said.replace(chr(10), chr(10) + '# ')}\n{resolved_yaml(answer.configuration())}")
+            comment = f"# {said.replace(chr(10), chr(10) + '# ')}\n"
+            part.write_text(IN_SI + comment + resolved_yaml(answer.configuration()))
         save(picture(answer), target.with_suffix(".png"))
         write(to_dataset(answer), target.with_suffix(".nc"))
     print(said)

@@ -56,10 +56,13 @@ class _Size:
     def _meant(self, value: float) -> str:
         """The first unit in which a number is a usual one."""
         low, high = self.usual or self.bare
+        if len(self.others) == 1:
+            return self.others[0]
         fits = (unit for unit in self.others if low <= to_si(f"{value!r} {unit}", self.unit) <= high)
         return next(fits, self.others[0])
 
 
+_NEVER = (float("inf"), float("inf"))
 _LENGTH = _Size("m", ("mm",), (0.0, 10.0))
 LIMITS = {
     # the largest that are known: 1 to 4 of rubber and of clean metals in vacuum
@@ -73,6 +76,7 @@ LIMITS = {
     "density": _Size("kg/m^3", ("g/cm^3", "t/mm^3", "kg/mm^3", "g/m^3"), (25.0, 25e3), (0.1, 1e5)),
     "youngs_modulus": _Size("Pa", ("GPa", "MPa"), (1e6, 1e14), (1.0, 1e14), usual=(1e7, 1.3e12)),
     "gravity": _Size("m/s^2", ("mm/s^2", "standard_gravity"), (1.3, 200.0)),
+    "base.random.spectrum.1": _Size("m^2/s^3", ("g^2/Hz",), _NEVER),  # tables of standards are in g^2/Hz
     "mass": _Size("kg", ("g",), (0.0, 100.0)),
     "modal_mass": _Size("kg", ("g",), (0.0, 100.0)),
     "duration": _Size("s", ("ms",), (0.0, 100.0)),
@@ -85,7 +89,7 @@ LIMITS = {
     "radius": _Size("m", ("mm",), (0.0, 0.5)),
     "footprint": _Size("m", ("mm",), (0.0, 5.0)),
 }
-"""By the last key of a scalar, or its last two."""
+"""By the last key of a scalar, or its last ones; of lists in a list by the place in these."""
 
 _INSIDE = ("from", "to", "log", "uniform", "each", "mean", "median")
 """Keys of a range or a distribution, below the key of the scalar."""
@@ -102,7 +106,8 @@ def refusal(key: str, given: Any) -> str:
         As it was written; what is no quantity of the scalar's is not looked at.
     """
     parts = key.split(".")
-    limit = LIMITS.get(".".join(parts[-2:])) or LIMITS.get(parts[-1])
+    ends = (".".join(parts[k:]) for k in range(len(parts)))
+    limit = next((LIMITS[end] for end in ends if end in LIMITS), None)
     if limit is None or isinstance(given, bool) or not isinstance(given, int | float | str):
         return ""
     try:
@@ -125,6 +130,7 @@ def _written(node: Any, place: tuple, key: str) -> Iterator[tuple[tuple, str, An
             yield from _written(below, (*place, name), key if name in _INSIDE else f"{key}.{name}")
     elif isinstance(node, list):
         for k, below in enumerate(node):
-            yield from _written(below, (*place, k), key)
+            inner = place and isinstance(place[-1], int)
+            yield from _written(below, (*place, k), f"{key}.{k}" if inner else key)
     else:
         yield place, key, node

@@ -14,6 +14,9 @@ from .messages import decimal_commas, explained, place, relevant
 from .plausible import refusals
 from .study import Config
 
+IN_SI = "# Written by warpdamp: every default is filled in, and numbers without a unit are in SI.\n"
+"""First line of a configuration that a program wrote: its numbers have lost their units, and are not asked for them."""
+
 
 def read(path) -> Config:
     """Read and validate a YAML file.
@@ -25,7 +28,8 @@ def read(path) -> Config:
     """
     path = Path(path)
     data = _read(path)
-    wrong = {place(data, keys): f"{'.'.join(map(str, keys))}: {said}" for keys, said in refusals(data)}
+    asked = [] if path.read_text(encoding="utf-8").startswith(IN_SI) else refusals(data)
+    wrong = {place(data, keys): f"{'.'.join(map(str, keys))}: {said}" for keys, said in asked}
     config = None
     try:
         config = Config.model_validate(_plain(data))

@@ -272,7 +272,8 @@ def _plane(file: Path, points: np.ndarray) -> np.ndarray:
     """(p, 2) points of a plane mesh."""
     if points.shape[1] > 2 and np.ptp(points[:, 2]) > 1e-6 * np.ptp(points[:, :2], axis=0).max():
         raise ModalError(
-            f"{file}: a section lies in a plane z = constant; its points reach over {np.ptp(points[:, 2]):g}"
+            f"{file} holds no cells of a solid, and no section: that lies in a plane z = constant, and its points "
+            f"reach over {np.ptp(points[:, 2]):g}"
         )
     return points[:, :2]
 

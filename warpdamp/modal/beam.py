@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import diags, eye, kron, vstack
 
+from ..errors import ModalError
 from ..modes import Modes
 from ..scene.scene import Material
 from .eigenmodes import Attached, Elastic, elastic_modes, participation, turned
@@ -20,7 +21,7 @@ from .extrusion import Carried, swept
 from .fem import Solid, extruded, graded, integrals
 from .mesh_error import swept_error
 from .reduced import converged
-from .section import Section, moments
+from .section import MeshedSection, Section, moments
 
 Support = Literal["clamped", "pinned", "free"]
 BENDS = {"width": 1, "thickness": 2}
@@ -86,6 +87,7 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
     """
     axis = BENDS[beam.bends]
     section = beam.section.basis()
+    _longer_than_wide(beam, section)
     masses = (damper, *beam.masses)
     shared = 4 if beam.section.quarter else 1
     if beam.section.quarter:
@@ -102,6 +104,17 @@ def beam_modes(beam: Beam, damper: PointMass, *, highest: int = 5) -> Modes:
         participation=math.sqrt(shared) * gamma,
     )
     return modes.at((damper.position, 0, 0), np.eye(3)[axis])
+
+
+def _longer_than_wide(beam: Beam, section) -> None:
+    """Refuses a meshed section wider than its beam is long: its unit is another."""
+    extent = np.ptp(section.mesh.p, axis=1)
+    if isinstance(beam.section, MeshedSection) and extent.max() > beam.length:
+        size = " x ".join(f"{1e3 * side:.4g}" for side in extent)
+        raise ModalError(
+            f"{beam.section.file}: a section of {size} mm on a beam {1e3 * beam.length:.4g} mm long: is its unit "
+            "right? write it, as unit: 1 mm"
+        )
 
 
 def _of_a_quarter(beam: Beam, section, masses, highest: int):

@@ -365,7 +365,9 @@ def _bounded(own: ModalModel, mass: ComplexMass, force: float, frequency) -> Non
     highest = mass.gamma[-1]
     needed = highest * STANDARD_GRAVITY * np.abs(own.dynamic_mass(frequency) + mass(frequency, highest))
     k = int(np.argmin(needed))
-    if not 0 < force < needed[k]:
+    if not force > 0:
+        raise ModalError(f"a force of {force:g} N: expected an amplitude above 0 N")
+    if not force < needed[k]:
         raise ModalError(
             f"a force of {force:g} N drives the damper above Gamma {highest:g}, the highest in the results, at "
             f"{frequency[k]:.4g} Hz: take a force between 0 and {needed[k]:.3g} N or another band, "

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ..errors import ModalError
+from .cells import basis_on
 
 if TYPE_CHECKING:
     from skfem import Basis, Mesh
@@ -105,7 +106,7 @@ class MeshedSection:
         ModalError
             If the file is no plane mesh, or if the section's principal axes are not those of the beam.
         """
-        from skfem import Basis, ElementQuad2, ElementTriP2, MeshQuad1, MeshTri1
+        from skfem import ElementQuad2, ElementTriP2, MeshQuad1, MeshTri1
 
         from ..formats.mesh_file import load_mesh
 
@@ -113,8 +114,8 @@ class MeshedSection:
         if not isinstance(mesh, MeshTri1 | MeshQuad1):
             raise ModalError(f"{self.file} holds a {type(mesh).__name__}: a section is a plane mesh")
         element = ElementTriP2() if isinstance(mesh, MeshTri1) else ElementQuad2()
-        centroid = moments(Basis(mesh, element, intorder=6)).centroid
-        basis = Basis(mesh.translated(-centroid), element, intorder=6)
+        centroid = moments(basis_on(mesh, element, 6, self.file)).centroid
+        basis = basis_on(mesh.translated(-centroid), element, 6, self.file)
         of = moments(basis)
         if abs(of.mixed) > 0.01 * max(of.across, of.through):
             turn = np.degrees(0.5 * np.arctan2(2 * of.mixed, of.across - of.through))

@@ -16,6 +16,7 @@ from ..errors import ModalError
 from ..formats.mesh_file import load_named
 from ..modes import Modes
 from ..scene.scene import Material
+from .cells import basis_on
 from .clamp import Clamp
 from .eigenmodes import Attached, elastic_modes, is_held, participation, turned
 from .fem import Solid, extruded, graded, integrals, meshed
@@ -210,7 +211,7 @@ def _body(solid: MeshedSolid, changed: int | None):
 
 
 def _quadratic(solid: MeshedSolid):
-    from skfem import Basis, ElementHex2, ElementTetP2, MeshHex1, MeshTet1
+    from skfem import ElementHex2, ElementTetP2, MeshHex1, MeshTet1
 
     named = load_named(solid.file, solid.unit)
     mesh = named.mesh
@@ -220,22 +221,11 @@ def _quadratic(solid: MeshedSolid):
         element = ElementHex2()
     else:
         raise ModalError(f"{solid.file} holds a {type(mesh).__name__}: a solid is a mesh of tetrahedra or hexahedra")
-    with np.errstate(divide="ignore", invalid="ignore"):  # cells without volume are refused below
-        basis = Basis(mesh, element, intorder=4)
+    basis = basis_on(mesh, element, 4, solid.file)
     parts, _ = connected_components(basis.mesh.p2t @ basis.mesh.p2t.T)
     if parts > 1:
         raise ModalError(f"{solid.file} falls into {parts} parts that share no nodes: merge the nodes where they touch")
-    _check_volumes(basis, solid.file)
     return basis, named.nodes
-
-
-def _check_volumes(basis, file) -> None:
-    """Refuses cells without volume, and those that are folded: their stiffness means nothing."""
-    determinant = np.broadcast_to(basis.mapping.detDF(basis.X), basis.dx.shape)
-    flat = np.sum(np.abs(basis.dx).sum(axis=1) < 1e-9 * np.abs(basis.dx).sum(axis=1).mean())
-    folded = np.sum(determinant.min(axis=1) * determinant.max(axis=1) < 0)
-    if flat or folded:
-        raise ModalError(f"{file} holds {flat} cells without volume and {folded} that are folded: mesh it again")
 
 
 def _modes(solid: Solid, standing, patches, nodes, direction, highest: int, error: Callable | None = None) -> Modes:

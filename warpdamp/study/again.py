@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.results import provenance, read
+from ..config.reading import IN_SI
 from ..damper.shake import shake, window_values
 from ..damper.trajectory import CYCLES, FRAMES, Trajectory, record
 from ..engine.ledger import maximum_energy
@@ -164,7 +165,7 @@ def stored_config(dataset: xr.Dataset, source: Path) -> Config:
         raise UsageError(f"{source}: holds no configuration, so that no case of it can be run")
     with tempfile.TemporaryDirectory(prefix="warpdamp-") as folder:
         path = Path(folder) / "study.yaml"
-        path.write_text(dataset.attrs["configuration"], encoding="utf-8")
+        path.write_text(IN_SI + dataset.attrs["configuration"], encoding="utf-8")
         try:
             config = load(path)
         except ConfigError as error:

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..config.build import particle_mass
 from ..config.preparation import carried_path
-from ..config.reading import resolved_yaml
+from ..config.reading import IN_SI, resolved_yaml
 from ..files import keep
 from ..version import PHYSICS_VERSION, RESULTS_VERSION
 from .carried import beside_legs, leg_of
@@ -209,7 +209,7 @@ def save_plan(plan: Plan, folder: Path) -> None:
     content = io.BytesIO()
     np.savez_compressed(content, about=np.array(json.dumps(about)), **{name: getattr(plan, name) for name in _ARRAYS})
     keep(folder / "plan.npz", content.getvalue())
-    keep(folder / "study.yaml", study)
+    keep(folder / "study.yaml", IN_SI.encode() + study)
 
 
 def load_or_make_plan(cases: Cases, folder: Path) -> Plan:
