@@ -338,6 +338,7 @@ def presets_section() -> list[str]:
         "off by no more than both 95 % intervals, in quadrature; step: its error over the statistical one, both as "
         "claimed, at most; packings a point; cycles a case; core-seconds of the cases, beds not counted.",
         table([*heading.split(", "), "core-seconds"], rows),
+        *(f"Not measured: {preset}." for preset in PRESETS if preset not in presets["preset"].values),
     ]
 
 
