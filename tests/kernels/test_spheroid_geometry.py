@@ -15,6 +15,8 @@ from warpdamp.kernels.options import UNIQUE
 from warpdamp.kernels.shape import shape
 from warpdamp.kernels.structs import FLOOR, LID, SIDE, types
 from warpdamp.kernels.tops import tops
+from warpdamp.scene.shape import LEAST_ASPECT, MOST_ASPECT
+from warpdamp.scene.touch import pair_overlaps
 
 effects = Effects(spheroids=True, sizes=True)
 t = types(effects)
@@ -211,6 +213,24 @@ def test_the_common_normal_has_the_largest_gap():
     nearby /= np.linalg.norm(nearby, axis=-1, keepdims=True)
     again = look_at_pairs(state, nearby)["again"]
     assert np.abs(again - found["normal"]).max() < 1e-6  # the square of 1e-4, times what a curvature makes of it
+
+
+@pytest.mark.parametrize("aspect", [LEAST_ASPECT, MOST_ASPECT])
+def test_no_pair_of_the_flattest_or_longest_shapes_is_mistaken(aspect):
+    """Against the steps on the host, which never lead to a smaller gap: the same overlaps, and none where pairs are apart.
+
+    1e-8 of a radius: a normal known to 1e-7 errs by the square of it in the gap.
+    """
+    n, rng = 20_000, np.random.default_rng(6)
+    place = np.zeros((2 * n, 3))
+    place[::2] = rng.uniform(0.5, 4.0, (n, 1)) * unit_vectors(rng, n)
+    state = State.at_rest(place, 1.0, aspect=aspect, axis=unit_vectors(rng, 2 * n))
+    overlap = pair_overlaps(state, np.arange(2 * n).reshape(n, 2))
+    found = look_at_pairs(state)["overlap"]
+    shallow = (overlap > 0) & (overlap < 0.1)
+    assert np.sum(shallow) > 500
+    np.testing.assert_allclose(found[shallow], overlap[shallow], atol=1e-8)
+    assert np.all(found[overlap < -1e-8] < 0)
 
 
 def test_it_turns_with_the_pair_and_does_not_know_which_end_is_up():

@@ -14,6 +14,7 @@ from warpdamp.scene.shape import (
     inscribed_radius,
     semi_axes,
     spheroid_inertia,
+    too_flat_or_long,
     two_ends_at_the_side,
 )
 
@@ -57,6 +58,12 @@ def test_what_the_cavity_allows():
     assert "above 0.284 and below 2.739" in two_ends_at_the_side([3.73e-3] * 3, [1.0, 0.99 * low, 2.0], 0.02)
     assert "aspect 3 might" in two_ends_at_the_side([3.73e-3], [3.0], 0.02)
     assert not two_ends_at_the_side([0.03], [1.0], 0.02)  # of spheres it says nothing
+
+
+def test_shapes_whose_normals_may_be_missed():
+    assert not too_flat_or_long([0.25, 1.0, 4.0])
+    assert "from 0.25 to 4, not at 5:" in too_flat_or_long([1.0, 5.0, 0.1])
+    assert "not at 0.2:" in too_flat_or_long(0.2)
 
 
 def test_states_without_shape_are_spheres():

@@ -10,7 +10,7 @@ from ..errors import SimulationError
 from ..scene.effects import WALLS, Effects
 from ..scene.particles import State
 from ..scene.scene import Scene
-from ..scene.shape import inscribed_radius, two_ends_at_the_side
+from ..scene.shape import inscribed_radius, too_flat_or_long, two_ends_at_the_side
 from ..scene.touch import pair_overlaps, wall_overlaps
 from .ledger import Ledger
 
@@ -57,17 +57,18 @@ def check_values(state: State) -> None:
 
 
 def check_shapes(scene: Scene, state: State) -> None:
-    """Refuse particles that may touch a wall in two places at once.
+    """Refuse particles that may touch a wall in two places at once, or whose contacts may not be found.
 
     Raises
     ------
     ValueError
-        Names the aspects that the cavity allows.
+        Names the aspects that are allowed.
     """
+    refused = ""
     if scene.enclosure and scene.enclosure.side:
         refused = two_ends_at_the_side(state.radius, state.aspect, scene.enclosure.diameter / 2)
-        if refused:
-            raise ValueError(refused)
+    if refused := refused or too_flat_or_long(state.aspect):
+        raise ValueError(refused)
 
 
 def check_overlaps(scene: Scene, state: State, parts: Iterable[np.ndarray]) -> None:

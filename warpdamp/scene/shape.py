@@ -9,6 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
+LEAST_ASPECT, MOST_ASPECT = 0.25, 4.0
+"""Aspects between which Newton's method finds common normals from its first guess.
+
+Of 20,000 pairs near each other none failed; at 0.2 and 5 a few did, and pairs that are apart were taken to overlap.
+"""
+
 
 def aspects(particles) -> np.ndarray:
     """Aspect of each particle, (n,) [-].
@@ -197,4 +203,26 @@ def two_ends_at_the_side(radius, aspect, side: float) -> str:
         f"a spheroid of aspect {aspect[k]:g} might touch the side at both ends at once: its largest radius of "
         f"curvature, {1e3 * flattest[k]:.3g} mm, is not below the cavity's radius, {1e3 * side:g} mm; take an aspect "
         f"above {low:.3f} and below {high:.3f}, smaller particles, or a wider cavity"
+    )
+
+
+def too_flat_or_long(aspect) -> str:
+    """Sentence that refuses a spheroid whose contacts might be missed or taken for deep ones; empty if there is none.
+
+    Parameters
+    ----------
+    aspect : (n,) array
+        [-].
+
+    Returns
+    -------
+    str
+    """
+    aspect = np.atleast_1d(np.asarray(aspect, float))
+    outside = (aspect < LEAST_ASPECT) | (aspect > MOST_ASPECT)
+    if not outside.any():
+        return ""
+    return (
+        f"contacts of spheroids are found reliably at aspects from {LEAST_ASPECT:g} to {MOST_ASPECT:g}, not at "
+        f"{aspect[np.argmax(outside)]:g}: take a shape between"
     )
