@@ -4,6 +4,7 @@ The commands of the tutorial are run from first to last by ``.ci/run``, which al
 """
 
 import ast
+import json
 import os
 import re
 import shlex
@@ -11,6 +12,7 @@ import sys
 
 import pytest
 import typer.main
+import xarray as xr
 from pydantic import ValidationError
 from ruamel.yaml import YAML
 
@@ -100,6 +102,14 @@ def test_the_readme_is_short():
     assert len((ROOT / "README.md").read_bytes()) <= 8192
 
 
+def test_the_readmes_design_is_the_one_that_was_run():
+    """The answer in the README is that in docs/design-example.txt, which `scripts/documents/design.py` writes."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    answer = text.partition("<!-- answer of the design example -->\n```\n")[2].partition("```")[0]
+    assert answer.startswith("the target of 2 % is met with P = ")
+    assert (ROOT / "docs" / "design-example.txt").read_text().startswith(answer)
+
+
 def test_the_tutorial_is_one_script_that_begins_with_the_installation():
     lines = script((ROOT / "docs" / "tutorial" / "index.md").read_text(encoding="utf-8")).splitlines()
     assert lines[1:3] == ["python3 -m venv .venv", '.venv/bin/pip install ".[report]"']
@@ -127,6 +137,28 @@ def test_commands_of_the_evidence_can_be_run():
         written = evidence_page.command_of(document.read_text(encoding="utf-8"))
         for word in (evidence_page.record(document.stem).get("written", {}).get("command") or written).split():
             assert not word.endswith(".py") or (ROOT / word).exists(), f"{document.name}: {word}"
+
+
+def test_the_versions_of_the_evidence_follow_from_notes_and_data(monkeypatch, tmp_path):
+    """Last simulation before what was written down by hand, that before the data named, that before the writing."""
+    monkeypatch.setattr(evidence_page, "DOCS", tmp_path)
+    (tmp_path / "evidence").mkdir()
+    xr.Dataset(attrs={"source": "warpdamp 0.1.0 (physics 4), python 3"}).to_netcdf(tmp_path / "old.nc")
+    document = tmp_path / "some.md"
+    document.write_text("# Some\n\nfrom docs/old.nc")
+    written = {"written": {"physics_version": 6}}
+
+    def of(notes):
+        (tmp_path / "evidence" / "some.json").write_text(json.dumps(notes))
+        return evidence_page.physics_of(document)
+
+    assert of(written | {"simulated": {"physics_version": 7}, "data": "2"}) == "7"
+    assert of(written | {"data": "2, a part 3"}) == "2, a part 3"
+    assert of(written) == "4"
+    document.write_text("# Some")
+    assert of(written) == "6"
+    assert of({}) == ""
+    assert "- not noted: [some](/some.md)" in evidence_page.page()
 
 
 def test_no_variable_page_depends_on_where_it_is_built(monkeypatch, tmp_path):

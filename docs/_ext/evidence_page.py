@@ -6,6 +6,10 @@ import json
 import re
 from pathlib import Path
 
+import netCDF4
+
+from warpdamp.version import PHYSICS_VERSION
+
 DOCS = Path(__file__).parents[1]
 OF_THE_REFERENCE = ("frf-files", "mode-files", "universal-files")
 """Documents of this folder that say what is read from files of others: they belong to the reference."""
@@ -17,11 +21,10 @@ command beside it and not touched by hand. The date, the processor time and the 
 script when it writes; simulations that a document reads again (`simulate` makes them anew) are noted apart. Where
 nothing is noted the document is older than the notes.
 
-Of version 6 of the physics (`warpdamp info` names the present one) are the main job with its picture, card, frf,
-modal-fits, dip, two_optima, gamma_c (its motion: 5), bed-states (its coverage: 5), steps, sphericity, parameters and
-design. Of version 5 are the intervals in accuracy and the last rows of performance. acceptance, effects, benchmark,
-frequency_map and the rest of accuracy are of version 4 and before, in which beds were compacted with friction: their
-mode 1 has its optimum at Gamma 5. The runs of coupling are of version 2, the prediction beside them of 6.
+The simulations behind the documents are of these versions of the physics (`warpdamp info` names the present one):
+
+{versions}
+
 `coverage.py`, `price.py` and `presets.py` beside the scripts measure for [accuracy](/accuracy.md) whether claimed
 intervals hold, what a tolerance saves, and by what presets err.
 
@@ -58,7 +61,11 @@ def documents() -> list[Path]:
 
 def page() -> str:
     """The page as Markdown."""
-    lines = [INTRODUCTION, "| document | what it shows | command | written | simulated |", "|---|---|---|---|---|"]
+    lines = [
+        INTRODUCTION.format(versions=versions()),
+        "| document | what it shows | command | written | simulated |",
+        "|---|---|---|---|---|",
+    ]
     for path in documents():
         notes = record(path.stem)
         command = notes.get("written", {}).get("command") or command_of(path.read_text(encoding="utf-8"))
@@ -78,6 +85,42 @@ def record(name: str) -> dict:
     """What the script noted of a document."""
     path = DOCS / "evidence" / f"{name}.json"
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
+def versions() -> str:
+    """Which documents are of which version of the physics, as a list."""
+    of: dict[str, list[str]] = {}
+    for path in documents():
+        of.setdefault(physics_of(path), []).append(f"[{path.stem}](/{path.name})")
+    own, unknown = of.pop(str(PHYSICS_VERSION), []), of.pop("", [])
+    groups = [(f"{PHYSICS_VERSION}, the present one", own), *sorted(of.items(), reverse=True), ("not noted", unknown)]
+    return "\n".join(f"- {version}: {', '.join(names)}" for version, names in groups if names)
+
+
+def physics_of(path: Path) -> str:
+    """Version of the physics of the simulations behind a document; empty where nobody noted it.
+
+    That of its last simulation; what is known of its data by hand; what the data that it names say; that of its writing
+    where it names none.
+    """
+    notes = record(path.stem)
+    if "simulated" in notes:
+        return str(notes["simulated"]["physics_version"])
+    if "data" in notes:
+        return notes["data"]
+    named = re.findall(r"docs/([\w*/]+\.nc)", path.read_text(encoding="utf-8"))
+    files = [file for pattern in named for file in sorted(DOCS.glob(pattern))]
+    if not files:
+        return str(notes["written"]["physics_version"]) if notes else ""
+    found = sorted({version for file in files if (version := version_in(file))}, reverse=True)
+    return " and ".join(found)
+
+
+def version_in(file: Path) -> str:
+    """Version of the physics that a netCDF file says it is of; empty if it says none."""
+    with netCDF4.Dataset(file) as dataset:
+        found = re.search(r"\(physics (\d+)\)", getattr(dataset, "source", ""))
+    return found[1] if found else ""
 
 
 def command_of(text: str) -> str:

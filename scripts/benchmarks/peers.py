@@ -91,9 +91,17 @@ def scene_variables(scene: Scene, steps: int, every: int, cycle: int = STEPS_PER
 
 
 def write_scene(
-    folder: Path, scene: Scene, state: State, steps: int, every: int = 1, cycle: int = STEPS_PER_CYCLE
+    folder: Path,
+    scene: Scene,
+    state: State,
+    steps: int,
+    every: int = 1,
+    cycle: int = STEPS_PER_CYCLE,
+    law: str | None = None,
 ) -> None:
     """Write ``scene.in`` and ``bed.data`` (LAMMPS' format: id, type, diameter, density, position) to the last bit.
+
+    A ``law`` stands for the contact law that LAMMPS' deck has.
 
     Raises
     ------
@@ -104,7 +112,7 @@ def write_scene(
         raise ValueError("the peers' decks start from spheres at rest: set velocity and spin to zero")
     variables = scene_variables(scene, steps, every, cycle)
     text = "".join(f"variable {name} index {value!r}\n" for name, value in variables.items())
-    (folder / "scene.in").write_text(text)
+    (folder / "scene.in").write_text(text + (f'variable law index "{law}"\n' if law else ""))
     half, height = 1.1 * scene.enclosure.diameter / 2, scene.enclosure.height
     rows = zip(2 * state.radius, state.position, strict=True)
     spheres = (
@@ -119,7 +127,13 @@ def write_scene(
 
 
 def run_peer(
-    peer: Peer, scene: Scene, state: State, steps: int, every: int = 1, cycle: int = STEPS_PER_CYCLE
+    peer: Peer,
+    scene: Scene,
+    state: State,
+    steps: int,
+    every: int = 1,
+    cycle: int = STEPS_PER_CYCLE,
+    law: str | None = None,
 ) -> tuple[float, np.ndarray]:
     """Processor time of the stepping [s], and the mean power of each whole cycle [W] (empty if not counted).
 
@@ -130,7 +144,7 @@ def run_peer(
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write_scene(folder, scene, state, steps, every, cycle)
+        write_scene(folder, scene, state, steps, every, cycle, law)
         *options, deck = peer.command[1:]
         command, environment = [peer.program, *options, DECKS / deck], os.environ | {"OMP_NUM_THREADS": "1"}
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)

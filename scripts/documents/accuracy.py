@@ -1,7 +1,7 @@
 """What accuracy costs, for the paper's scene at six points; writes docs/accuracy.md from docs/accuracy.nc.
 
-    python scripts/documents/accuracy.py            # the document, from the committed series
-    python scripts/documents/accuracy.py simulate   # the series anew: a quarter of an hour on two cores
+    python scripts/documents/accuracy.py                        # the document, from the committed series
+    python scripts/documents/accuracy.py simulate [--workers N] # the series anew: a quarter of an hour on two cores
 
 The series are docs/accuracy.nc and, of a dilute bed, docs/stationary.nc.  The sections on coverage, price and presets
 read what the scripts of these names write to docs.
@@ -9,12 +9,10 @@ read what the scripts of these names write to docs.
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 import xarray as xr
 from coverage import with_intervals
-from shared import DOCS, ROOT, head, processes, table, write_document
+from shared import DOCS, ROOT, head, processes, run_script, table, write_document
 
 from warpdamp import Batch, Case, Grains, load
 from warpdamp.analysis.accuracy import averaged, chance, cheapest, step_errors, systematic, transient
@@ -50,13 +48,14 @@ def cycles(spec) -> int:
     return 160 if frequency < 100 else 400 if frequency < 500 else 600
 
 
-def simulate() -> None:
-    """Run every variation and keep the series."""
+def simulate(workers: int | None) -> None:
+    """Run every variation, and the dilute bed, and keep the series."""
     config = load(ROOT / "configs" / "beam.yaml").model_copy(update={"seeds": SEEDS})
-    with processes() as executor:
+    with processes(workers) as executor:
         runs = study(points_of(config), cycles, executor, report=lambda done: print(f"{100 * done:.0f} %", flush=True))
     runs = runs.assign_attrs(title="Energies of cycles of the paper's damper, by numerical choice")
     write(runs, DOCS / "accuracy.nc")
+    simulate_stationary(workers)
 
 
 def dilute(seed: int) -> np.ndarray:
@@ -70,9 +69,9 @@ def dilute(seed: int) -> np.ndarray:
     return batch.cycles(0).per_cycle()[DILUTE_CYCLES[0] :]
 
 
-def simulate_stationary() -> None:
+def simulate_stationary(workers: int | None) -> None:
     """Run the dilute bed and keep its series."""
-    with processes() as executor:
+    with processes(workers) as executor:
         series = np.array(list(executor.map(dilute, range(1, 9))))
     title = f"Energies of cycles of {DILUTE} spheres in the paper's cavity at 46 Hz and Gamma 6"
     write(xr.Dataset({"energy": (("seed", "cycle"), series, {"units": "J"})}, attrs={"title": title}), STATIONARY)
@@ -228,10 +227,10 @@ def cheapest_section(runs, errors) -> list[str]:
         table(
             ["preset", "tolerance", "steps a contact", "step's error at most", "left to each case"],
             [
-                [preset, f"{100 * t:g} %", f"{chosen.steps_per_contact:.0f}"]
+                [name, f"{100 * preset['tolerance']:g} %", f"{chosen.steps_per_contact:.0f}"]
                 + [f"{100 * step_error(chosen.steps_per_contact):.2f} %", f"{100 * chosen.standard_error:.2f} %"]
-                for preset, t in PRESETS.items()
-                for chosen in [settings_for(t)]
+                for name, preset in PRESETS.items()
+                for chosen in [settings_for(preset["tolerance"])]
             ],
         ),
         "The motion is float64 at every tolerance, unless `numerics.precision` says otherwise: float32 saves "
@@ -316,8 +315,8 @@ def presets_section() -> list[str]:
     """What the presets err by."""
     presets = xr.load_dataset(DOCS / "presets.nc")
     rows = []
-    for preset, tolerance in PRESETS.items():
-        at = presets.sel(preset=preset)
+    for preset in presets["preset"].values:
+        at, tolerance = presets.sel(preset=preset), PRESETS[str(preset)]["tolerance"]
         statistical = np.sqrt(at["claimed"] ** 2 - at["step_error"] ** 2)
         reference = student(at.attrs["packings"] - 1) * at["reference_error"]
         held = abs(at["off"]) <= np.hypot(at["interval"] * (1 + at["off"]), reference)
@@ -366,7 +365,4 @@ def document() -> None:
 
 
 if __name__ == "__main__":
-    if "simulate" in sys.argv[1:]:
-        simulate()
-        simulate_stationary()
-    document()
+    run_script(__doc__, simulate, document)

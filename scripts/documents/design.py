@@ -1,4 +1,4 @@
-"""Evidence on emulator, calibration and design; writes docs/design.md.
+"""Evidence on emulator, calibration and design; writes docs/design.md, and the worked example in the README.
 
     python scripts/documents/design.py [emulator] [example] [problems [K ...]] [--workers N]
 
@@ -441,6 +441,20 @@ def example_section() -> str:
     )
 
 
+ANSWER = "<!-- answer of the design example -->\n```\n", "```\n<!-- end of the answer -->"
+
+
+def write_in_readme() -> None:
+    """Put the answer of the worked example, without tolerances and runners-up, into the README."""
+    said = (DOCS / "design-example.txt").read_text()
+    readme = ROOT / "README.md"
+    before, _, rest = readme.read_text().partition(ANSWER[0])
+    with whole_file(readme) as part:
+        part.write_text(
+            f"{before}{ANSWER[0]}{said.partition('with all of these')[0]}{ANSWER[1]}{rest.partition(ANSWER[1])[2]}"
+        )
+
+
 def main() -> None:
     """Simulate what is named, then write the document."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -460,6 +474,7 @@ def main() -> None:
     if "problems" in options.parts:
         simulate_problems(numbers or list(range(1, COUNT + 1)), options.workers)
     document()
+    write_in_readme()
 
 
 if __name__ == "__main__":

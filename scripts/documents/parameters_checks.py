@@ -14,17 +14,16 @@ from warpdamp.analysis.regimes import Regime, regime
 from warpdamp.numerics.regression import straight_line
 from warpdamp.scene.paper import COUNT, PMMA
 from warpdamp.scene.scene import STANDARD_GRAVITY
+from warpdamp.status import Status
 
 SURELY = (Verdict.HIGHER, Verdict.LOWER)
 
 
 @dataclass(frozen=True)
 class Exponent:
-    """Exponent of the damping over the density at one frequency, amplitudes at which all levels move alike."""
+    """Exponent of the damping over the density, with the ends of its 95 % interval, and where that is."""
 
-    frequency: float
-    gammas: tuple[float, ...]
-    regime: str
+    where: str
     value: tuple[float, float, float]
 
     @property
@@ -32,44 +31,45 @@ class Exponent:
         """Whether the interval has 1 in it."""
         return self.value[1] <= 1 <= self.value[2]
 
+    def __str__(self):
+        return "{}: {:.3f} ({:.3f} to {:.3f})".format(self.where, *self.value)
+
 
 def density_exponents() -> list[Exponent]:
-    """Slopes of log damping over log density, mean over amplitudes, with 95 % intervals over packings.
+    """Slopes of log damping over log density, at both optima and at fixed amplitudes at which all levels move alike.
 
     The damping is the effectiveness times the particles' mass, so that its exponent is one and that of the
-    effectiveness.  Amplitudes at which a packing's regime changes with the density are left out.
+    effectiveness.
     """
-    runs = results("density")
+    runs, found = results("density"), effects("density", "density")
     if runs is None:
         return []
-    kinds, found = regime(runs), []
-    x = np.log(runs["density"]) - np.log(runs["density"]).mean()
+    exponents = []
+    for response, name, frequency in (
+        ("effectiveness_fluidisation", "at Γ_f of each density", FAST),
+        ("effectiveness_collision", "at Γ_c of each density", SLOW),
+    ):
+        cell = found.sel(response=response, frequency=frequency)
+        ends = (1 + np.log2(1 + float(cell[f"effect{end}"])) for end in ("", "_low", "_high"))
+        exponents.append(Exponent(f"{frequency:g} Hz {name}", tuple(ends)))
+    tops = found["level"].sel(response="gamma_fluidisation")
+    kinds = regime(runs)
+    x = np.log(runs["density"].values / np.exp(np.log(runs["density"].values).mean()))
     for frequency in runs["frequency"].values:
-        kind = kinds.sel(frequency=frequency)
-        eps = runs["effectiveness"].sel(frequency=frequency)
-        alike = (kind == kind.isel(density=0)).all(["density", "seed"]) & (kind == kind.isel(seed=0)).all(
-            ["density", "seed"]
-        )
-        alike &= (kind != int(Regime.SOLID)).all(["density", "seed"]) & eps.notnull().all(["density", "seed"])
-        for number in np.unique(kind.values):
-            own = alike & (kind.isel(density=0, seed=0) == number)
-            if not own.any():
-                continue
-            slope = (x * np.log(eps.where(own, drop=True))).sum("density") / (x**2).sum()
-            value = difference_of(1 + slope.mean("gamma").values)
-            gammas = tuple(runs["gamma"].values[own.values].tolist())
-            name = Regime(int(number)).name.lower().replace("_", " ")
-            found.append(Exponent(float(frequency), gammas, name, value))
-    return found
-
-
-def density_words() -> list[str]:
-    """Exponents, one after the other."""
-    return [
-        f"{e.frequency:g} Hz, {e.regime}, Γ {e.gammas[0]:g}{f' to {e.gammas[-1]:g}' if len(e.gammas) > 1 else ''}: "
-        "{:.3f} ({:.3f} to {:.3f})".format(*e.value)
-        for e in density_exponents()
-    ]
+        kind = kinds.sel(frequency=frequency).transpose("gamma", "density", "seed").values
+        eps = runs["effectiveness"].sel(frequency=frequency).transpose("gamma", "density", "seed").values
+        collides = kind == int(Regime.TWO_SIDED_COLLISION)
+        alike = np.isfinite(eps).all(axis=(1, 2)) & (collides == collides[:, :1, :1]).all(axis=(1, 2))
+        beyond = runs["gamma"].values > np.nanmax([1.0, *tops.sel(frequency=frequency).values])
+        for own, name in (
+            (alike & collides[:, 0, 0], "in collision"),
+            (alike & beyond & ~collides[:, 0, 0], "above Γ_f"),
+        ):
+            if own.any():
+                slope = np.tensordot(x, np.log(eps[own]).mean(axis=0), 1) / np.sum(x**2)
+                gammas = ", ".join(f"{g:g}" for g in runs["gamma"].values[own])
+                exponents.append(Exponent(f"{frequency:g} Hz {name}, at Γ {gammas}", difference_of(1 + slope)))
+    return exponents
 
 
 def no_gravity() -> list[str]:
@@ -77,27 +77,44 @@ def no_gravity() -> list[str]:
     runs, loose = results("gravity"), results("gravity_suspended")
     if runs is None:
         return []
-    arms = {"compacted": runs.sel(gravity=[0.0, 9.81], frequency=[SLOW])}
-    if loose is not None:
-        loose = loose.sel(frequency=[SLOW]).drop_vars("preparation", errors="ignore")
-        with_it = runs.sel(frequency=[SLOW], gravity=9.81).drop_vars("preparation", errors="ignore")
-        both = [part.drop_vars("gravity", errors="ignore") for part in (loose, with_it)]
-        pair = xr.concat(both, "gravity", join="inner", coords="minimal", compat="override", combine_attrs="override")
-        arms["suspended"] = pair.assign_coords(gravity=("gravity", [0.0, 9.81], {"units": "m/s^2"}))
+    at = effects("gravity", "gravity").sel(frequency=SLOW)
     lines = []
-    for start, pair in arms.items():
-        found = effect_of(pair, "gravity").sel(frequency=SLOW)
-        words = []
-        for response, name in (("effectiveness_collision", "ε_c"), ("gamma_collision", "Γ_c")):
-            at = found.sel(response=response)
-            (none, some), (error, other) = at["level"].values, at["level_standard_error"].values
-            ends = (1 / (1 + float(at[f"change{end}"])) - 1 for end in ("", "_high", "_low"))
-            words.append(
-                f"{name} {none:.3g} ± {error:.2g} without and {some:.3g} ± {other:.2g} with gravity, "
-                "{:+.1f} % ({:+.1f} to {:+.1f}) without it".format(*(100 * end for end in ends))
-            )
-        lines.append(f"- {start} at the start: " + "; ".join(words))
-    return lines
+    for response, name in (("effectiveness_collision", "ε_c"), ("gamma_collision", "Γ_c")):
+        level, error = (at[n].sel(response=response) for n in ("level", "level_standard_error"))
+        pair = effect_of(runs.sel(gravity=[0.0, 9.81], frequency=[SLOW]), "gravity")
+        change = pair.sel(response=response, frequency=SLOW)
+        # of log(with / without), turned round
+        ends = (1 / (1 + float(change[f"change{end}"])) - 1 for end in ("", "_high", "_low"))
+        lines.append(
+            f"- compacted beds: {name} {float(level.sel(gravity=0)):.3g} ± {float(error.sel(gravity=0)):.2g} without, "
+            f"{float(level.sel(gravity=9.81)):.3g} ± {float(error.sel(gravity=9.81)):.2g} with gravity: "
+            "{:+.1f} % ({:+.1f} to {:+.1f}) without it".format(*(100 * end for end in ends))
+        )
+    lid = (runs["lid_impulse"] / runs["floor_impulse"]).sel(frequency=SLOW, gamma=6.0).mean("seed")
+    shown = ", ".join(f"{float(v):.2f} at {g:.4g} m/s²" for g, v in zip(runs["gravity"].values, lid, strict=True))
+    lines.append(
+        f"- what differs: impulse on the lid over that on the floor at Γ 6 is {shown}: gravity takes from the blow on "
+        "the lid, and without it both walls are hit alike"
+    )
+    return lines if loose is None else [*lines, suspended(loose, runs.sel(gravity=0.0))]
+
+
+def suspended(loose: xr.Dataset, compacted: xr.Dataset) -> str:
+    """Curve of suspended particles beside that of compacted beds, both without gravity."""
+    own, other = (part["effectiveness"].sel(frequency=SLOW).mean("seed") for part in (loose, compacted))
+    known = own.notnull().values
+    curve = ", ".join(
+        f"Γ {g:g}: {float(a):.2f} ({float(b):.2f} from compacted beds)"
+        for g, a, b in zip(
+            own["gamma"].values[known], own.values[known], other.sel(gamma=own["gamma"].values[known]), strict=True
+        )
+    )
+    status = loose["status"].sel(frequency=SLOW).values[known]
+    drifting = float(np.mean(status == int(Status.DRIFTING)))
+    return (
+        f"- suspended particles, without gravity: effectiveness {curve}; {100 * drifting:.0f} % of these runs still "
+        "drift after their 32 cycles, so that this is how such a bed starts, not where it ends"
+    )
 
 
 def scaled_frequency(frequency, *, density=1.0, modulus=1.0, count=1.0, gravity=1.0):
@@ -222,17 +239,18 @@ def rules() -> str:
 
 def checks_section() -> list[str]:
     """Blocks of the document."""
-    exponents = density_words()
+    exponents = density_exponents()
     weightless, resonance = no_gravity(), list(resonance_rows())
     blocks = ["### The rules", rules()]
     if exponents:
         blocks += [
             "### Damping over density",
-            "Exponent of the damping over the density, from the slopes of log-log at each amplitude, their mean over "
-            "the amplitudes at which no packing changes its regime with the density, 95 % intervals over packings:",
-            "\n".join(f"- {words}" for words in exponents),
-            "Where 1 is not in an interval the optimum itself moves with the density (Γ_f falls), so that one Γ lies "
-            "at another place of the curve.",
+            "Exponent of the damping over the density, from slopes of log-log with 95 % intervals over packings: of "
+            "the heights of both optima, and at fixed amplitudes, those at which all densities collide with both walls "
+            "and those above all their Γ_f:",
+            "\n".join(f"- {exponent}" for exponent in exponents),
+            "At fixed amplitudes above Γ_f the exponent has a second cause: Γ_f falls with the density, so that a "
+            "heavier bed is further beyond its optimum at the same Γ.",
         ]
     if weightless:
         blocks += [

@@ -109,7 +109,8 @@ def sensitivity_page() -> list[str]:
     """The section of the document on what matters together."""
     return [
         "## What matters together",
-        "Dampers sampled (Sobol) over eight parameters, one packing of four each; the clearance is the bed's.  "
+        "Dampers sampled (Sobol) over eight parameters, one packing of four each; the clearance is the bed's.  Their "
+        "runs are short (table of costs): what they scatter by is part of the emulator, as its noise.  "
         "Ranges are in `configs/studies/sensitivity_*.yaml`: a parameter that is known better matters less than here.",
         *of_study("fluidisation"),
         *of_study("collision"),

@@ -5,198 +5,23 @@ from __future__ import annotations
 import re
 
 import numpy as np
-from parameters_checks import density_exponents, density_words, louder, resonances
-from parameters_data import FAST, SLOW, change_of, difference_of, effects, losses, nearest, results, shares
+from parameters_checks import louder, resonances
+from parameters_data import effects
+from parameters_materials import (
+    alike_when_stiff,
+    dashpots_when_soft,
+    friction_at_collision,
+    friction_is_chief,
+    friction_towards_convection,
+    less_transport,
+    more_friction_by_restitution,
+    proportional,
+)
 from parameters_shapes import beyond, denser, fluidised, higher, known
+from parameters_verdicts import HOLDS, IN_PART, NOT, OPEN, every, said
 from shared import DOCS
 
 from warpdamp.numerics.regression import straight_line
-
-HOLDS, IN_PART, NOT, OPEN, UNDECIDED = "holds", "holds in part", "does not hold", "not run", "undecided"
-FLUIDISED, COLLIDED = 1.7, 6.0
-"""Gammas near the optima of fluidisation at 280 Hz and of collision at 39.5 Hz, in the paper's damper."""
-
-NAMES = {
-    "gamma_fluidisation": "Γ_f", "effectiveness_fluidisation": "ε_f",
-    "gamma_collision": "Γ_c", "effectiveness_collision": "ε_c",
-}  # fmt: skip
-
-
-def percent(value: float, low: float, high: float) -> str:
-    """A relative change with its interval."""
-    return f"{100 * value:+.1f} % ({100 * low:+.1f} to {100 * high:+.1f})"
-
-
-def cell(study: str, key: str, response: str):
-    """One response of a study at the frequency where its optimum stands alone; None if it was not run."""
-    found = effects(study, key)
-    return None if found is None else found.sel(response=response, frequency=FAST if "fluid" in response else SLOW)
-
-
-def said(study: str, key: str, response: str) -> tuple[str, str]:
-    """Verdict of a cell, and its number over the whole range."""
-    at = cell(study, key, response)
-    if at is None:
-        return "", ""
-    verdict = str(at["verdict"].item())
-    if not np.isfinite(at["change"]):
-        return verdict, f"{NAMES[response]} {verdict}"
-    ends = (float(at[f"change{end}"]) for end in ("", "_low", "_high"))
-    return verdict, f"{NAMES[response]} {verdict}, {percent(*ends)} over the range"
-
-
-def every(study: str, key: str, *wanted: tuple[str, str]) -> tuple[str, str]:
-    """Whether all, some or none of several cells are as a statement has them."""
-    found = [(said(study, key, response), verdict) for response, verdict in wanted]
-    if not all(verdict for (verdict, _), _ in found):
-        return OPEN, ""
-    right = [verdict == expected for (verdict, _), expected in found]
-    unknown = all(one or verdict == "undecided" for one, ((verdict, _), _) in zip(right, found, strict=True))
-    state = HOLDS if all(right) else UNDECIDED if unknown else IN_PART if any(right) else NOT
-    return state, "; ".join(words for (_, words), _ in found)
-
-
-def curves(study: str, key: str, where) -> list[tuple[float, float, float, float, float]]:
-    """Effects on the curve at amplitudes that ``where(frequency, gamma)`` takes: (f, Gamma, effect, low, high)."""
-    found = effects(study, key)
-    rows = []
-    for f in found["frequency"].values:
-        for gamma in found["gamma"].values:
-            ends = [float(found[f"curve_effect{e}"].sel(frequency=f, gamma=gamma)) for e in ("", "_low", "_high")]
-            if where(f, gamma) and np.isfinite(ends).all():
-                rows.append((float(f), float(gamma), *ends))
-    return rows
-
-
-def proportional() -> tuple[str, str]:
-    """Damping over the particles' mass, at amplitudes at which the regime does not change with it."""
-    found = density_exponents()
-    if not found:
-        return OPEN, ""
-    state = HOLDS if all(e.one for e in found) else IN_PART
-    return state, "exponent of the damping over the density: " + "; ".join(density_words())
-
-
-def alike_when_stiff() -> tuple[str, str]:
-    """The two highest moduli against each other, and the two lowest."""
-    found = effects("modulus", "youngs_modulus")
-    if found is None:
-        return OPEN, ""
-    if found.sizes["youngs_modulus"] < 5:
-        return OPEN, "x100 (modulus_stiff) was not run"
-    words, right = [], []
-    times = found["youngs_modulus"].values / 3.3e9
-    for response, f in (("gamma_fluidisation", FAST), ("gamma_collision", SLOW)):
-        at = found.sel(response=response, frequency=f)
-        level, error = at["level"].values, at["level_standard_error"].values
-        steps = [k for k in range(1, level.size) if np.isfinite(level[k - 1 : k + 1]).all()]
-        rise = [level[k] / level[k - 1] - 1 for k in steps]
-        spread = [np.hypot(*(error[k - 1 : k + 1] / level[k - 1 : k + 1])) for k in steps]
-        if len(steps) > 1 and steps[-1] == level.size - 1:
-            right.append(abs(rise[-1]) < abs(rise[0]) and abs(rise[-1]) < 2 * spread[-1])
-        changes = ", ".join(
-            f"{100 * r:+.0f} ± {100 * s:.0f} % to x{times[k]:g}" for r, s, k in zip(rise, spread, steps, strict=True)
-        )
-        words.append(f"{NAMES[response]} by tenfold modulus: {changes}")
-    return (HOLDS if right and all(right) else IN_PART if any(right) else NOT), "; ".join(words)
-
-
-def dashpots_when_soft() -> tuple[str, str]:
-    """Whether dashpots take more where the modulus is low, packing by packing."""
-    if results("modulus") is None:
-        return OPEN, ""
-    words, right = [], []
-    for f, gamma in ((FAST, FLUIDISED), (SLOW, COLLIDED)):
-        at = nearest(results("modulus"), f, gamma).sortby("youngs_modulus")
-        lost = losses(at, "dashpots").transpose("youngs_modulus", "seed").values
-        more = difference_of(lost[0] - lost[-1])
-        right.append(more[1] > 0)
-        ends = at["youngs_modulus"].values[[0, -1]] / 3.3e9
-        words.append(
-            f"{f:g} Hz, Γ {float(at['gamma']):g}: dashpots {np.nanmean(lost[0]):.3f} at x{ends[0]:g}, "
-            f"{np.nanmean(lost[-1]):.3f} at x{ends[1]:g}, difference {parts(more)}"
-        )
-    return (HOLDS if all(right) else IN_PART if any(right) else NOT), "; ".join(words) + IDEAL
-
-
-IDEAL = " (in parts of the ideal damper)"
-
-
-def parts(ends: tuple[float, float, float]) -> str:
-    """A difference with its interval."""
-    return "{:+.3f} ({:+.3f} to {:+.3f})".format(*ends)
-
-
-def friction_is_chief(study: str = "restitution", key: str = "restitution") -> tuple[str, str]:
-    """Part of friction in the loss at the optimum of collision, in the paper's damper."""
-    if results(study) is None:
-        return OPEN, ""
-    at = nearest(results(study), SLOW, COLLIDED).sortby(key)
-    part = shares(at)
-    reference = {"restitution": 0.52, "friction": 0.86}[key]
-    own = {kind: float(values.sel({key: reference})) for kind, values in part.items()}
-    words = (
-        f"39.5 Hz, Γ {float(at['gamma']):g}: friction {own['friction']:.2f}, dashpots {own['dashpots']:.2f} of the loss"
-    )
-    return (HOLDS if own["friction"] > 0.5 else NOT), words
-
-
-def more_friction_by_restitution() -> tuple[str, str]:
-    """Whether the loss by friction rises with the restitution at the optimum of collision, packing by packing."""
-    if results("restitution") is None:
-        return OPEN, ""
-    at = nearest(results("restitution"), SLOW, COLLIDED).sortby("restitution")
-    friction, dashpots = (losses(at, kind).transpose("restitution", "seed").values for kind in ("friction", "dashpots"))
-    words = "; ".join(
-        f"e {e:g}: friction {np.nanmean(a):.3f}, dashpots {np.nanmean(b):.3f}"
-        for e, a, b in zip(at["restitution"].values, friction, dashpots, strict=True)
-    )
-    more = difference_of(friction[-1] - friction[0])
-    return (HOLDS if more[1] > 0 else NOT), f"{words}; friction from end to end {parts(more)}" + IDEAL
-
-
-def less_transport() -> tuple[str, str]:
-    """Whether friction keeps particles in place, above the optimum of fluidisation."""
-    if results("friction") is None:
-        return OPEN, ""
-    words, right = [], []
-    for gamma in (2.0, 4.0):
-        at = nearest(results("friction"), FAST, gamma).sortby("friction")
-        moved = (at["cycle_displacement"] / at["displacement"]).transpose("friction", "seed").values
-        change = change_of(np.log(moved[-1] / moved[1]))
-        right.append(change[2] < 0)
-        mu = at["friction"].values
-        words.append(f"Γ {float(at['gamma']):g}, friction {mu[1]:g} to {mu[-1]:g}: {percent(*change)}")
-    return (
-        HOLDS if all(right) else IN_PART if any(right) else NOT,
-        "how far particles are from where they began a cycle, 280 Hz: " + "; ".join(words),
-    )
-
-
-def friction_towards_convection() -> tuple[str, str]:
-    """Effect of friction above the optimum of fluidisation, where no lid is met."""
-    if effects("friction", "friction") is None:
-        return OPEN, ""
-    rows = curves("friction", "friction", lambda f, gamma: (f > 100 and gamma >= 2) or (f < 100 and gamma >= 8))
-    up = [row for row in rows if row[3] > 0]
-    down = [row for row in rows if row[4] < 0]
-    words = ", ".join(f"{f:g} Hz Γ {g:g}: {percent(e, low, high)}" for f, g, e, low, high in rows)
-    state = HOLDS if len(up) == len(rows) else NOT if not up else IN_PART
-    return state, f"{len(up)} of {len(rows)} higher, {len(down)} lower, over the range: {words}"
-
-
-def friction_at_collision() -> tuple[str, str]:
-    """Effectiveness near the optimum of collision, of little and of much friction against that of the paper's 0.86."""
-    if results("friction") is None:
-        return OPEN, ""
-    at = nearest(results("friction"), SLOW, COLLIDED).sortby("friction")
-    eps = np.log(at["effectiveness"].transpose("friction", "seed"))
-    changes = {float(mu): change_of((eps.sel(friction=mu) - eps.sel(friction=0.86)).values) for mu in eps["friction"]}
-    words = ", ".join(f"{mu:g}: {percent(*change)}" for mu, change in changes.items() if mu != 0.86)
-    little, much = changes[0.2], changes[1.2]
-    right = little[2] < 0, much[1] > 0
-    state = HOLDS if all(right) else IN_PART if any(right) else NOT
-    return state, f"ε at Γ {float(at['gamma']):g} against friction 0.86, by friction {words}"
 
 
 def fluidisation_line() -> tuple[str, str]:
@@ -260,6 +85,7 @@ def by_resonance() -> tuple[str, str]:
         for f, top, own in zip(over["frequency"].values, level.values, error.values, strict=True)
         if top + 2 * own < 1
     ]
+    below += [f"{r.arm} {r.measured:.2f} ± {r.error:.2f}" for r in found if r.measured + 2 * r.error < 1]
     loud = [(f, g, ends) for f, g, ends in amplified if ends[1] > 1]
     alike = float(np.mean(off**2)) < 2 and np.abs(off).max() < 3
     words = (

@@ -1,6 +1,6 @@
 """What a tolerance saves: the main job at 5 % against the paper's step and one fixed length; writes docs/price.nc.
 
-    python scripts/documents/price.py
+    python scripts/documents/price.py [--workers N]
 
 The main job on every eighth of its amplitudes, both ways in one run, from the same beds.  The fixed length is the
 shortest with which every case would have the standard error that the tolerance gives it: the longest that any steady
@@ -8,6 +8,8 @@ case took.  About four minutes on two cores.
 """
 
 from __future__ import annotations
+
+import argparse
 
 import numpy as np
 import xarray as xr
@@ -34,23 +36,26 @@ def job(**changes) -> Config:
     return Config.model_validate(values | changes)
 
 
-def fixed(length: int, seeds: list[int]) -> list[tuple[tuple[int, ...], dict]]:
+def fixed(length: int, seeds: list[int], workers: int | None) -> list[tuple[tuple[int, ...], dict]]:
     """The same cases at the paper's step, each for ``length`` cycles, with their places (frequency, gamma, seed)."""
     config = job(numerics={"step": PAPER_STEP}, seeds=seeds)
     specs = sorted(Cases(config).specs(), key=lambda spec: -spec.steps_per_cycle)
     criteria = Criteria(fewest=length, most=length, fixed=True)
-    with processes() as executor:
+    with processes(workers) as executor:
         done = executor.map(shake, [[[spec]] for spec in specs], [criteria] * len(specs))
         return [result for results in done for result in results]
 
 
 def main() -> None:
     """Both ways, and what each cost."""
-    bought = run(job(accuracy={"tolerance": TOLERANCE}))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--workers", type=int)
+    workers = parser.parse_args().workers
+    bought = run(job(accuracy={"tolerance": TOLERANCE}), workers=workers)
     ran = bought["status"] != NOT_RUN
     steady = bought["status"] == 0
     length = int(bought["cycles"].where(steady).max())
-    paid = fixed(length, [1, 2, 3])
+    paid = fixed(length, [1, 2, 3], workers)
     first = ran & (bought["seed"] <= 3)
     energies = np.full((bought.sizes["frequency"], bought.sizes["gamma"], 3), np.nan)
     for index, value in paid:

@@ -48,12 +48,16 @@ def write_document(name: str, *blocks: str, folder: Path = DOCS) -> None:
 def note(name: str) -> None:
     """Note date, command, cost and physics version of a document, for the table of evidence in the site.
 
-    What was simulated for it keeps its own note, until it is simulated again.
+    What was simulated for it keeps its own note, until it is simulated again; so does ``data``, the version of the
+    physics that was written down by hand, which goes when all is made anew.
     """
     path = DOCS / "evidence" / f"{name}.json"
     notes = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     script = Path(sys.argv[0]).resolve()
-    notes["simulated" if "simulate" in sys.argv[1:] else "written"] = entry = {
+    simulated = "simulate" in sys.argv[1:]
+    if simulated or not hasattr(sys.modules["__main__"], "simulate"):
+        notes.pop("data", None)
+    notes["simulated" if simulated else "written"] = entry = {
         "date": time.strftime("%Y-%m-%d"),
         "command": shlex.join(["python", str(script.relative_to(ROOT)), *sys.argv[1:]]),
         "processor_time": round(sum(os.times()[:4]), 1),

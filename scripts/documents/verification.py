@@ -1,6 +1,8 @@
 """Run the verification suite at full resolution and write docs/verification.md with its plots.
 
-python scripts/documents/verification.py
+    python scripts/documents/verification.py several dampers
+
+runs those cases alone whose titles hold the words, and leaves the other sections as they are.
 """
 
 import re
@@ -45,11 +47,15 @@ def section(case, result, seconds, picture_path):
     return [*blocks, table(["figure", "expected", "found", "error", "tolerance"], rows)]
 
 
-def main():
+def main(words: str) -> int:
+    """Run the cases whose titles hold some words, write their sections anew, and return how many figures missed."""
     pictures = DOCS / "verification"
     pictures.mkdir(parents=True, exist_ok=True)
-    index, body, missed = [], [], 0
+    rows, sections = ({}, {}) if not words else kept()
+    missed = 0
     for case in CASES:
+        if words not in case.title.lower():
+            continue
         started = time.perf_counter()
         result = case.run(True)
         seconds = time.perf_counter() - started
@@ -59,13 +65,23 @@ def main():
             picture(case, result, path)
         held = sum(check.holds for check in result.checks)
         missed += len(result.checks) - held
-        index.append([case.title, len(result.checks), held])
-        body += section(case, result, seconds, path)
+        rows[case.title] = [case.title, len(result.checks), held]
+        sections[case.title] = "\n\n".join(section(case, result, seconds, path))
         print(f"{case.title}: {held} of {len(result.checks)}, {seconds:.1f} s", flush=True)
+    there = [case.title for case in CASES if case.title in rows]
     introduction = head("Verification", __file__) + INTRODUCTION
-    write_document("verification.md", introduction, table(["case", "figures", "held"], index), *body)
+    index = table(["case", "figures", "held"], [rows[title] for title in there])
+    write_document("verification.md", introduction, index, *(sections[title] for title in there))
     return missed
 
 
+def kept() -> tuple[dict[str, list[str]], dict[str, str]]:
+    """Rows of the index and sections of the document as it is, by the titles of their cases."""
+    first, *parts = (DOCS / "verification.md").read_text(encoding="utf-8").split("\n## ")
+    rows = [line.strip("| ").split(" | ") for line in first.splitlines() if line.startswith("| ")]
+    sections = {part.partition("\n")[0]: f"## {part.rstrip()}" for part in parts}
+    return {row[0]: row for row in rows[1:]}, sections
+
+
 if __name__ == "__main__":
-    sys.exit(1 if main() else 0)
+    sys.exit(1 if main(" ".join(sys.argv[1:]).lower()) else 0)

@@ -106,6 +106,25 @@ def test_optima_are_called_by_their_names(mapped):
     assert abs(float(low.mean()) - BLOCK_FLUIDISATION) < 0.5
 
 
+def test_optima_are_expected_under_the_gravity_that_was_swept(mapped):
+    """Gravity of a half halves what a block needs to lift off; without any nothing fluidises, and flights are eq. 1's."""
+    fine = np.concatenate([np.linspace(0.3, 3, 19), np.linspace(3.5, 12, 12)])
+    gravity = xr.DataArray([0.0, 0.5 * 9.80665], dims="gravity")
+    one = mapped.isel(frequency=5, drop=False).expand_dims(gravity=gravity.values).interp(gamma=fine)
+    weight, high = gravity.values[:, None] / 9.80665, float(collision_optimum(55.0, CLEARANCE, gravity=False))
+    eps = curve(fine, np.where(weight > 0, 0.6, -9.0), high + weight)
+    shape = one["effectiveness"].transpose("gravity", "gamma", "seed")
+    noise = 0.003 * np.random.default_rng(6).standard_normal(shape.shape)
+    one["effectiveness"] = shape.copy(data=eps[:, :, None] + noise)
+    one["effectiveness_standard_error"] = shape.copy(data=np.full(shape.shape, 0.003))
+    found = optimum(one)
+    assert np.isnan(found["gamma_fluidisation"].values[0])
+    assert found["gamma_fluidisation"].values[1] == pytest.approx(
+        0.6, abs=0.15
+    )  # a fifth of the block's place: resounds
+    assert found["gamma_collision"].values == pytest.approx(high + weight[:, 0], abs=0.3)
+
+
 def test_the_picture_follows_the_dimensions(mapped, tmp_path):
     assert len(draw(mapped).axes) == 2  # a map and its colours
     assert len(draw(mapped.isel(frequency=[0, 5])).axes) == 2  # two panels of curves

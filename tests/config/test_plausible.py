@@ -49,6 +49,7 @@ REFUSED = [
     ("gravity: 9.81", "gravity: 1", "as '1 standard_gravity', or '1 m/s.2' if that is meant"),
     ("gravity: 9.81", "gravity: 9810", "as '9810 mm/s.2'"),
     ("gravity: 9.81", "gravity: 1 g", "has the wrong unit: .*g is gram: write standard_gravity"),
+    ("radius: 3.73 mm", "radius: 1/8\"", "has the wrong unit: .*write in for inches"),
     ("inherent_damping: 1 %", "inherent_damping: 0.5", "0.5 is 50 %: write '0.5 %' if that is meant, or '50 %'"),
     ("inherent_damping: 1 %", "inherent_damping: 5", r"did you mean 0.05, which is 5 %\?"),
     ("standard_error: 2 %", "standard_error: 2", r"2 is no relative standard error .*did you mean 0.02, which is 2 %\?"),
@@ -104,6 +105,9 @@ def test_what_was_read_with_its_unit_is_read_again_without_it(write):
 def test_a_table_of_a_sweep_is_looked_at_too(write, tmp_path):
     (tmp_path / "cases.csv").write_text("contact.friction,materials.pmma.density\n0.5,920 kg/m^3\n0.6,0.92\n")
     with pytest.raises(ConfigError, match=r"cases.csv:3: materials.pmma.density: 0.92 without a unit"):
+        load(write(STUDY + "sweep: {csv: cases.csv}\n"))
+    (tmp_path / "cases.csv").write_text("contact.restitution\n52\n")
+    with pytest.raises(ConfigError, match=r"contact.restitution = 52\); did you mean 0.52, which is 52 %\?"):
         load(write(STUDY + "sweep: {csv: cases.csv}\n"))
     (tmp_path / "cases.csv").write_text("contact.friction,materials.pmma.density [g/cm^3]\n0.5,0.92\n")
     load(write(STUDY + "sweep: {csv: cases.csv}\n"))

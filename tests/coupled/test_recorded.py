@@ -87,3 +87,10 @@ def test_a_unit_that_is_no_acceleration(read):
 def test_no_file(tmp_path):
     with pytest.raises(UsageError, match=r"there is no file .*none.csv"):
         recorded.samples(tmp_path / "none.csv", "force")
+
+
+def test_a_unit_of_acceleration_that_is_none_has_the_remedy_of_records(read):
+    with pytest.raises(
+        UsageError, match=r"acceleration \[Gal\]: cannot read the unit 'Gal': write acceleration_m_s2 or"
+    ):
+        read("time_s,acceleration [Gal]\n0,1\n0.1,2\n", "acceleration", "utf-8")

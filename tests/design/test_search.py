@@ -3,6 +3,7 @@
 import itertools
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -66,6 +67,22 @@ def test_the_claim_holds_and_is_within_a_tenth_of_the_least_mass(problem, tmp_pa
     again = load(path)
     assert again.damper == answer.design.config.damper
     assert again.design is None
+
+
+def test_where_no_design_is_probable_the_search_goes_to_more_damping(problem, tmp_path, monkeypatch):
+    """Not to the lightest: every cheap first guess may be far from the target."""
+    hopeless = problem.config.design.target.model_copy(update={"damping": 0.2})
+    monkeypatch.setattr(Problem, "target", property(lambda _: hopeless))
+    monkeypatch.setattr(searching, "find_bounds", lambda *_: SimpleNamespace(least_mass=0.0))
+    search = Search(problem, tmp_path, 1, lambda *_: None, lambda _: None)
+    search.start()
+    search.assess_all()
+    assert all(one.probability == 0 for one in search.assessed)
+    assert search.assessed[0].least == max(one.least for one in search.assessed)
+    asked = []
+    monkeypatch.setattr(search, "run", lambda orders: asked.extend(orders))
+    search.step()
+    assert min(order.design.mass for order in asked) > np.median([design.mass for design in search.sample])
 
 
 def test_the_same_search_twice_runs_the_same_cases(problem, monkeypatch, tmp_path):

@@ -14,8 +14,8 @@ STUDIES = sorted((ROOT / "configs" / "studies").glob("*.yaml"))
 SMALL = (
     (r"^seeds: \[.*?\]", "seeds: [1]"),
     (r"fewest_cycles: \d+, most_cycles: \d+", "fewest_cycles: 8, most_cycles: 8"),
-    (r"\[40, 96, 96\]", "[8, 8, 8]"),
-    (r"\[40, 96\]", "[8, 8]"),
+    (r"\[32, 96, 96\]", "[8, 8, 8]"),
+    (r"\[32, 96\]", "[8, 8]"),
     (r"^  gamma: \[.*\]", "  gamma: [1.4, 6]"),
     (r"count: 120", "count: 12"),
     (r"\[60, 120, (\d+)0\]", r"[6, 12, \1]"),

@@ -96,10 +96,11 @@ def collision_optimum(frequency, clearance, *, gravity: bool = True):
     return 4 * np.pi * np.asarray(frequency) ** 2 * clearance / STANDARD_GRAVITY + (BLOCK_INTERCEPT if gravity else 0.0)
 
 
-MOST_MISS = 3.0
-"""A maximum further than this factor from the Gamma expected of a motion is not called that motion's."""
-
 MOTIONS = ("fluidisation", "collision")
+
+MOST_BELOW, MOST_ABOVE = {"fluidisation": 10.0, "collision": 3.0}, 3.0
+"""A maximum further below, or above, the Gamma expected of a motion than these factors is not called that motion's.
+A bed that is deep or soft for its frequency resounds, and fluidises far below a block (docs/parameters.md)."""
 
 
 class Curves:
@@ -158,8 +159,9 @@ class Curves:
         return replace(top, height_standard_error=max(top.height_standard_error, near))
 
     def _expected(self, at: dict[str, int]) -> dict[str, float]:
-        """Gamma at which a plastic block has each maximum; none of collision where there is no clearance."""
-        expected = {"fluidisation": BLOCK_FLUIDISATION}
+        """Gamma at which a plastic block has each maximum; none of what clearance or gravity is needed for."""
+        weight = self._weight(at)
+        expected = {"fluidisation": weight * BLOCK_FLUIDISATION} if weight else {}
         if "clearance" not in self.dataset:
             return expected
         clearance = self.dataset["clearance"]
@@ -167,8 +169,16 @@ class Curves:
         clearance = float(clearance.isel({dim: k for dim, k in here.items() if dim in clearance.dims}).mean())
         frequency = _frequency(self.dataset, at)
         if math.isfinite(clearance) and math.isfinite(frequency):
-            expected["collision"] = float(collision_optimum(frequency, clearance))
+            flight = float(collision_optimum(frequency, clearance, gravity=False))
+            expected["collision"] = flight + weight * BLOCK_INTERCEPT
         return expected
+
+    def _weight(self, at: dict[str, int]) -> float:
+        """Gravity of a curve over the earth's, where it was swept."""
+        if "gravity" not in self.dataset.coords:
+            return 1.0
+        gravity = self.dataset["gravity"]
+        return float(gravity.isel({dim: k for dim, k in at.items() if dim in gravity.dims})) / STANDARD_GRAVITY
 
 
 def _by_gamma_and_seed(array: xr.DataArray) -> np.ndarray:
@@ -195,8 +205,9 @@ def optimum(dataset: xr.Dataset, of: str = "effectiveness") -> xr.Dataset:
     """Gamma of fluidisation and of two-sided collision, with standard errors, for every curve of a Dataset.
 
     A maximum is assigned to the nearer, in ratio, of what a plastic block predicts: 2.58, and eq. 1 with the clearance
-    measured; of two, the lower is that of fluidisation.  None is called after a motion whose Gamma is expected at more
-    than three times, or less than a third, of its own.  Standard errors hold for other packings too, as far as those
+    measured, both with the gravity that was swept; of two, the lower is that of fluidisation.  None is called after a
+    motion if it lies above three times the Gamma expected, or below a third (of collision) or a tenth (of fluidisation,
+    which beds that resound reach far below a block).  Standard errors hold for other packings too, as far as those
     that were run differ from each other.
 
     Parameters
@@ -257,7 +268,9 @@ def _called(tops: list[Maximum], expected: dict[str, float]) -> dict[str, Maximu
         return abs(math.log(top.gamma / expected[which]))
 
     def plausible(which, top):
-        return which in expected and miss(which, top) <= math.log(MOST_MISS)
+        if which not in expected:
+            return False
+        return -math.log(MOST_BELOW[which]) <= math.log(top.gamma / expected[which]) <= math.log(MOST_ABOVE)
 
     pairs = [
         (low, high)
@@ -267,7 +280,7 @@ def _called(tops: list[Maximum], expected: dict[str, float]) -> dict[str, Maximu
     if pairs:
         low, high = min(pairs, key=lambda pair: miss("fluidisation", pair[0]) + miss("collision", pair[1]))
         return {"fluidisation": low, "collision": high}
-    for top in sorted(tops, key=lambda top: -top.height):
+    for top in sorted(tops, key=lambda top: -top.height) if expected else ():
         which = min(expected, key=lambda which: miss(which, top))
         if plausible(which, top):
             return {which: top}
@@ -281,7 +294,7 @@ def _why_none(which: str, expected: dict[str, float], gamma: np.ndarray, mean: n
         return "fewer than four amplitudes"
     low, high = float(gamma[known].min()), float(gamma[known].max())
     if which not in expected:
-        return "no clearance between floor and lid"
+        return "no clearance between floor and lid" if which == "collision" else "no gravity"
     if not low <= expected[which] <= high:
         return f"expected at Γ {expected[which]:.3g}, not among those run"
     largest = float(gamma[known][np.argmax(mean[known])])

@@ -115,11 +115,11 @@ def explained(error, root) -> str:
     elif kind in ("tuple_type", "list_type"):
         message = f"expected a list, as [a, b], got {given!r}"
     elif kind not in ("value_error", "decimal_comma"):
-        message = f"{message[0].lower()}{message[1:]}, got {given!r}{_percent(error)}"
+        message = f"{message[0].lower()}{message[1:]}, got {given!r}{per_cent(error)}"
     return f"{key}: {message}" if key else message
 
 
-def _percent(error) -> str:
+def per_cent(error) -> str:
     """A question about a number that is within its limit, of one at most, in per cent."""
     given, limits = error["input"], error.get("ctx", {})
     limit = limits.get("le", limits.get("lt", 2))

@@ -124,6 +124,8 @@ def _respelt(given: str, unit: str) -> str:
     """What to write instead of a unit that is one but for capital letters, as hz, or g of an acceleration."""
     if unit == "m/s^2" and given in ("g", "G"):
         return "; g is gram: write standard_gravity, which is 9.80665 m/s^2"
+    if given in ('"', "''", "\u2033", "\u201d"):
+        return "; write in for inches"
     spelt = re.sub(r"[^\W\d_]+", lambda word: _SPELLINGS.get(word[0].lower(), word[0]), given)
     try:
         _converted(1.0, spelt, unit)

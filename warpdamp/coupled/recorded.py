@@ -85,4 +85,7 @@ def _factor(column: Column, quantity: str, place: str) -> float:
     try:
         return FACTORS[quantity](unit)
     except ValueError as error:
-        raise UsageError(f"{place}: column {column}: {error}") from None
+        said = str(error)
+        if said.startswith("cannot read"):  # whose remedy is that of FRFs
+            said = f"{said.partition(': write')[0]}: write {NAMES[quantity]}"
+        raise UsageError(f"{place}: column {column}: {said}") from None

@@ -38,7 +38,8 @@ LONGEST_REST = 45.0
 
 ROCKING = 15.0
 """Times sqrt(H / g) after which spheroids that still rock are stopped at every look: dashpots hardly damp them, and
-without friction nothing else does.  At any phase half of the energy, in the mean, is that of motion."""
+without friction nothing else does.  At any phase half of the energy, in the mean, is that of motion.  Not a part of
+``RECIPE``, which beds of spheres have in their keys, too: whoever changes it raises the version of the physics."""
 
 _log = logging.getLogger(__name__)
 

@@ -168,10 +168,13 @@ class Search:
         return found
 
     def _rank(self, one: Assessment) -> tuple:
-        """Order of designs: those that meet the target with confidence first, the best first among them."""
+        """Order of designs: those that meet the target with confidence first, the best first among them.
+
+        Of others the more probable first; where none is probable at all, that of most damping, not the lightest.
+        """
         confident = one.probability >= self.problem.design.confidence
         if self.problem.design.goal == "mass":
-            return (0, one.design.mass) if confident else (1, -one.probability, one.design.mass)
+            return (0, one.design.mass) if confident else (1, -one.probability, -one.least, one.design.mass)
         return (0 if confident or self.problem.target.damping is None else 1, -float(np.mean(one.merit)))
 
     def expected(self, one: Assessment, reference: float) -> float:

@@ -43,6 +43,7 @@ def answers(runs: xr.Dataset) -> Figure:
             (axes[1], "window_damping_ratio", "damping ratio [-]"),
             (axes[2], "window_frequency", "natural frequency [Hz]"),
         ):
+            _predicted(ax, runs, name.replace("window", "predicted"))
             for k in range(runs.sizes["level"]):
                 level_runs = runs.isel(level=k)
                 shown = level_runs["window_steady"] == 1 if driven else level_runs[name].notnull()
@@ -60,6 +61,17 @@ def answers(runs: xr.Dataset) -> Figure:
         ax.grid(alpha=0.3)
     figure.suptitle(runs.attrs.get("title", ""), fontsize=11)
     return figure
+
+
+def _predicted(ax, runs: xr.Dataset, name: str) -> None:
+    """Line of what the dampers' cards predict, where they were given."""
+    if name not in runs:
+        return
+    gamma, value = runs["window_gamma"].values.ravel(), runs[name].values.ravel()
+    known = np.isfinite(value)
+    order = np.argsort(gamma[known])
+    ax.plot(gamma[known][order], value[known][order], "k-", lw=0.8, label="predicted by the cards")
+    ax.legend(fontsize=7)
 
 
 def _within_reason(ax, values: np.ndarray) -> None:

@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PERCENT = 100.0
+TICKS = (1, 1.5, 2, 3, 4, 5, 6, 8)
+"""Ticks of a logarithmic axis in every decade: ranges are often shorter than one."""
 
 
 def lines(answer) -> list[str]:
@@ -86,6 +88,7 @@ def _shown(value) -> str:
 def picture(answer) -> Figure:
     """Damping over Gamma of the damper chosen with its intervals, and the front of damping against mass."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullLocator
 
     figure = Figure(figsize=(11, 4.2), layout="constrained", dpi=110)
     curve, front = figure.subplots(1, 2)
@@ -113,6 +116,9 @@ def picture(answer) -> Figure:
     for ax in (curve, front):
         if wanted is not None:
             ax.axhline(PERCENT * wanted, color="k", lw=0.8, ls="--", label="target")
+        ax.xaxis.set_major_locator(LogLocator(subs=TICKS))
+        ax.xaxis.set_major_formatter("{x:g}")
+        ax.xaxis.set_minor_locator(NullLocator())
         ax.legend(fontsize=8)
         ax.grid(alpha=0.3)
     return figure

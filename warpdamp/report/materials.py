@@ -43,6 +43,10 @@ def material_lines(name: str) -> list[str]:
         at = f" at {value.speed:g} m/s" if value.speed is not None else ""
         span = f"{factor * value.low:.5g} to {factor * value.high:.5g}"
         lines.append(f"  {title}: {_number(value, factor)}{at} ({span}): {value.cited}")
+    for other in material.beside:
+        e, mu = other.restitution, other.friction
+        said = f"restitution {_number(e, 1.0)} at {e.speed:g} m/s, friction {_number(mu, 1.0)}"
+        lines.append(f"  on {other.against} (to be given under contact.pairs): {said}: {e.cited}")
     if "restitution" in values and values["restitution"].speed is None:
         lines.append("  restitution: of the impact speeds of its source")
     return lines

@@ -8,6 +8,7 @@ import math
 
 from pydantic import ValidationError
 
+from ..config.messages import per_cent
 from ..config.plausible import refusal
 from ..config.quantities import to_si
 from ..config.study import Config
@@ -271,7 +272,7 @@ def _message(error, row: dict) -> str:
     """Message of the models in one line."""
     message = error["msg"].removeprefix("Value error, ")
     given = " and ".join(f"{dotted(path)} = {value!r}" for path, value in row.items())
-    return f"{message[:1].lower()}{message[1:]} (with {given})"
+    return f"{message[:1].lower()}{message[1:]} (with {given}){per_cent(error)}"
 
 
 def _cell(text: str, unit: str):
