@@ -47,8 +47,8 @@ def _named(value: Any) -> Any:
     if not isinstance(value, str):
         return value
     for name, said in WITHOUT_BREAKPOINTS.items():
-        if name.fullmatch(value.strip()):
-            raise ValueError(f"'{value}': {said}: copy them from the standard: give {_SHOWN}")
+        if name.fullmatch(value.strip()) and value not in SPECTRA:
+            raise ValueError(f"'{value}': {said} copy another one from the standard: give {_SHOWN}")
     if value not in SPECTRA:
         raise ValueError(f"there is no spectrum '{value}'{suggestion(value, SPECTRA)}; or give {_SHOWN}")
     return [[frequency, f"{density} g^2/Hz"] for frequency, density in SPECTRA[value].breakpoints]
