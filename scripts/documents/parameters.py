@@ -328,6 +328,8 @@ def pictures() -> list[str]:
         for ax, frequency, mode in zip(axes, runs["frequency"].values, (1, 3, 5), strict=True):
             for value in runs[key].values:
                 at = runs.sel(frequency=frequency, **{key: value})
+                if not at["effectiveness"].notnull().any():
+                    continue  # an arm that was not run at this frequency
                 mass = at["particle_mass"].mean().item()
                 zeta = 100 * damping_of_effectiveness(at["effectiveness"], mass, amplitude(mass)[mode])
                 n = zeta.notnull().sum("seed")
