@@ -100,7 +100,7 @@ def test_parts_end_with_the_same_packings(study, undisturbed, tmp_path, same):
 
 def test_what_the_tolerance_chooses_is_not_swept(tmp_path):
     path = tmp_path / "study.yaml"
-    for key in ("numerics.steps_per_contact: [20, 30]", "accuracy.tolerance: [0.1, 0.2]"):
+    for key in ("numerics.steps_per_contact: [20, 30]", "accuracy.tolerance: [0.05, 0.1]"):
         path.write_text(STUDY + f"sweep:\n  product:\n    {key}\n")
         with pytest.raises(ConfigError, match="is chosen by accuracy"):
             load(path)
