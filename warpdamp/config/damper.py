@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, StrictInt, create_model, field_vali
 
 from ..scene.effects import FORCIBLE
 from ..scene.particles import sphere_volume
-from ..scene.shape import bounding_radius, too_flat_or_long, two_ends_at_the_side
+from ..scene.shape import bounding_radius, refused_shape
 from .base import NOT_NEGATIVE as _not_negative
 from .base import POSITIVE as _positive
 from .base import Model
@@ -254,7 +254,7 @@ class DamperConfig(Model):
             if aspect == 1:
                 continue
             place = f"particles.{k}.shape.aspect" if isinstance(self.particles, list) else "particles.shape.aspect"
-            if refusal := two_ends_at_the_side(radii, aspect, cavity.diameter / 2) or too_flat_or_long(aspect):
+            if refusal := refused_shape(radii, aspect, cavity.diameter / 2):
                 raise ValueError(f"{place}: {refusal}")
             longest = 2 * float(bounding_radius(radii, aspect).max())
             if longest >= min(cavity.diameter, cavity.height):

@@ -47,20 +47,22 @@ def mode_with_dampers(config: Config, cards: Sequence[xr.Dataset]) -> LoadedMode
     dampers = 1 + len(config.dampers)
     if len(cards) not in (1, dampers):
         raise UsageError(f"--card: the structure carries {dampers} dampers, and the cards are {len(cards)}")
-    every = list(cards) * (dampers if len(cards) == 1 else 1)
     return LoadedMode(
         float(modes.frequency[0]),
         float(modes.inherent_damping[0]),
         amplitudes(config, modes)[:, 0],
-        [ComplexMass.of(part) for part in every],
+        [ComplexMass.of(part) for part in _one_each(config, cards)],
     )
 
 
 def differences(config: Config, cards: Sequence[xr.Dataset]) -> list[str]:
     """Sentences on where cards are of other dampers than the configuration describes."""
-    dampers = 1 + len(config.dampers)
-    every = list(cards) * (dampers if len(cards) == 1 else 1)
-    return [said for k, part in enumerate(every, 1) if (said := difference(part, config, k))]
+    return [said for k, part in enumerate(_one_each(config, cards), 1) if (said := difference(part, config, k))]
+
+
+def _one_each(config: Config, cards: Sequence[xr.Dataset]) -> list[xr.Dataset]:
+    """A card for each damper; one that is given is that of all."""
+    return list(cards) * (1 + len(config.dampers) if len(cards) == 1 else 1)
 
 
 def with_prediction(runs: xr.Dataset, mode: LoadedMode) -> xr.Dataset:

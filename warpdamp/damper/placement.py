@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from ..errors import PackingError
 from ..scene.particles import UPRIGHT, Grains, sphere_volume
 from ..scene.scene import Cylinder
-from ..scene.shape import aspects, bounding_radius, too_flat_or_long, two_ends_at_the_side
+from ..scene.shape import aspects, bounding_radius, refused_shape
 from .case import GROWN
 from .fire import minimised
 from .spheroids import FEW, MOST, random_start, turned_apart
@@ -61,7 +61,7 @@ def place(grains: Grains, enclosure: Cylinder, seed: int) -> tuple[np.ndarray, n
     if np.all(aspect == 1):
         return separate(radius, enclosure, seed), np.tile(UPRIGHT, (len(radius), 1))
     _check_fit(bounding_radius(radius, aspect), enclosure)
-    if refusal := two_ends_at_the_side(radius, aspect, enclosure.diameter / 2) or too_flat_or_long(aspect):
+    if refusal := refused_shape(radius, aspect, enclosure.diameter / 2):
         raise PackingError(refusal)
     start = random_start(radius, aspect, enclosure, seed)
     position, axis, fits = turned_apart(*start, GROWN * radius, aspect, enclosure, most=MOST)

@@ -10,7 +10,7 @@ from ..errors import SimulationError
 from ..scene.effects import WALLS, Effects
 from ..scene.particles import State
 from ..scene.scene import Scene
-from ..scene.shape import inscribed_radius, too_flat_or_long, two_ends_at_the_side
+from ..scene.shape import inscribed_radius, refused_shape
 from ..scene.touch import pair_overlaps, wall_overlaps
 from .ledger import Ledger
 
@@ -64,11 +64,9 @@ def check_shapes(scene: Scene, state: State) -> None:
     ValueError
         Names the aspects that are allowed.
     """
-    refused = ""
-    if scene.enclosure and scene.enclosure.side:
-        refused = two_ends_at_the_side(state.radius, state.aspect, scene.enclosure.diameter / 2)
-    if refused := refused or too_flat_or_long(state.aspect):
-        raise ValueError(refused)
+    side = scene.enclosure.diameter / 2 if scene.enclosure and scene.enclosure.side else None
+    if refusal := refused_shape(state.radius, state.aspect, side):
+        raise ValueError(refusal)
 
 
 def check_overlaps(scene: Scene, state: State, parts: Iterable[np.ndarray]) -> None:

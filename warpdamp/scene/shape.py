@@ -206,6 +206,24 @@ def two_ends_at_the_side(radius, aspect, side: float) -> str:
     )
 
 
+def refused_shape(radius, aspect, side: float | None) -> str:
+    """Sentence that refuses a shape of which contacts would be missed; empty if all are right.
+
+    Parameters
+    ----------
+    radius, aspect : (n,) arrays
+        [m], [-]; see ``semi_axes``.
+    side : float or None
+        Radius of the cavity [m]; None: no side is there.
+
+    Returns
+    -------
+    str
+    """
+    ends = "" if side is None else two_ends_at_the_side(radius, aspect, side)
+    return ends or too_flat_or_long(aspect)
+
+
 def too_flat_or_long(aspect) -> str:
     """Sentence that refuses a spheroid whose contacts might be missed or taken for deep ones; empty if there is none.
 
