@@ -120,8 +120,7 @@ def again(
         If the case had failed.
     """
     source = Path(source)
-    dataset = read(source) if source.suffix == ".nc" else None
-    config = load(source) if dataset is None else stored_config(dataset, source)
+    dataset, config = opened(source)
     if config.dampers:
         raise UsageError(f"{source}: is of several dampers on one structure: each has a case of its own")
     if dataset is not None and (missing := [name for name in NEEDED if name not in dataset]):
@@ -140,8 +139,7 @@ def again(
         refuse_failed(label(cases, n), own)
     specs = [spec for _, spec in chain]
     counts = [int(own["cycles"]) for own in values]
-    if (steps := particle_steps(chain, counts)) > most:
-        raise UsageError(f"the case takes {steps:.2g} particle-steps: warpdamp film {source} films it")
+    refuse_long(source, particle_steps(chain, counts), most)
     trajectory = record(specs, counts, frames=frames, shown=shown, report=report)
     differing = _differing(trajectory, specs[-1], values[-1])
     if differing and not anyway:
@@ -151,6 +149,23 @@ def again(
             "on another machine: run the study again, or take --anyway for the case as it runs now"
         )
     return Again(config.title, label(cases, number), provenance()["source"], trajectory, values[-1], differing)
+
+
+def opened(source: Path) -> tuple[xr.Dataset | None, Config]:
+    """Results, none of a study's YAML file, and the configuration of either."""
+    dataset = read(source) if source.suffix == ".nc" else None
+    return dataset, load(source) if dataset is None else stored_config(dataset, source)
+
+
+def refuse_long(source: Path, steps: int, most: float) -> None:
+    """Refuse a case of more particle-steps than are to be taken.
+
+    Raises
+    ------
+    UsageError
+    """
+    if steps > most:
+        raise UsageError(f"the case takes {steps:.2g} particle-steps: warpdamp film {source} films it")
 
 
 def stored_config(dataset: xr.Dataset, source: Path) -> Config:

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..analysis.results import provenance, read
+from ..analysis.results import provenance
 from ..config.build import as_list
 from ..damper.trajectory import CYCLES, FRAMES, record
 from ..errors import UsageError
 from ..modal.from_config import amplitudes
 from ..sweep.cases import Cases
 from ..sweep.choice import Choice, candidates, only, same
-from ..sweep.load import load
 from ..sweep.resolve import self_contained, with_tolerance
-from .again import Again, again, chain_of, particle_steps, refuse_failed, simulated, stored_config
+from .again import Again, again, chain_of, opened, particle_steps, refuse_failed, refuse_long, simulated
 from .several import cases_of, studies
 
 if TYPE_CHECKING:
@@ -62,8 +61,7 @@ def again_all(
         If it fails.
     """
     source = Path(source)
-    dataset = read(source) if source.suffix == ".nc" else None
-    config = load(source) if dataset is None else stored_config(dataset, source)
+    dataset, config = opened(source)
     if not config.dampers:
         return [again(source, choice, frames=frames, shown=shown, anyway=anyway, most=most, report=report)]
     alone, seen = studies(config)
@@ -76,8 +74,8 @@ def again_all(
     for (name, _, _), each in zip(chains, values, strict=True):
         for own in each:
             refuse_failed(name, own)
-    if (steps := sum(particle_steps(chain, own) for (_, chain, _), own in zip(chains, cycles, strict=True))) > most:
-        raise UsageError(f"the case takes {steps:.2g} particle-steps: warpdamp film {source} films it")
+    steps = sum(particle_steps(chain, own) for (_, chain, _), own in zip(chains, cycles, strict=True))
+    refuse_long(source, steps, most)
     shown = min(shown, *(own[-1] - 1 for own in cycles))
     found: list[Again] = []
 
