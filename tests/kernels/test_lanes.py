@@ -36,6 +36,36 @@ def test_both_loops_over_contacts_are_vectors(effects, tmp_path):
     assert len(set(re.findall(remark, done.stdout + done.stderr))) == 2
 
 
+OTHER_LOADS = """
+import sys
+import numpy as np
+from warpdamp.kernels import options
+flag = " -target-feature +prefer-no-gather"
+flags = options.UNIQUE["module_options"]["cpu_compiler_flags"]
+options.UNIQUE["module_options"]["cpu_compiler_flags"] = flags.replace(flag, "") if flag in flags else flags + flag
+from warpdamp import Batch, Case, State
+from warpdamp.scene.paper import RADIUS, damper
+start = np.load(sys.argv[1])
+batch = Batch([Case(damper(), State.at_rest(start["position"], RADIUS), float(start["dt"]))])
+batch.advance(2000)
+np.save(sys.argv[2], batch.read()[0][0].velocity)
+"""
+
+
+@pytest.mark.skipif(platform.machine().lower() not in ("x86_64", "amd64"), reason="the instruction is that of x86-64")
+def test_how_the_lanes_are_loaded_is_no_part_of_the_results(damper, loose_positions, tmp_path):
+    """Gathered or one by one, as ``gathers_are_fast`` says: the same bits after 2,000 steps."""
+    scene, state = damper(46.0, 6.0), State.at_rest(loose_positions(1), RADIUS)
+    dt = 1 / 46 / steps_per_cycle(scene, state)
+    batch = Batch([Case(scene, state, dt)])
+    batch.advance(2000)
+    np.savez(tmp_path / "start.npz", position=state.position, dt=dt)
+    (tmp_path / "run.py").write_text(OTHER_LOADS)
+    command = [sys.executable, str(tmp_path / "run.py"), str(tmp_path / "start.npz"), str(tmp_path / "velocity.npy")]
+    subprocess.run(command, check=True)
+    assert np.array_equal(np.load(tmp_path / "velocity.npy"), batch.read()[0][0].velocity)
+
+
 def test_the_last_lanes_are_filled_and_not_added(make_scene):
     """Chains of 1 to 17 touching pairs: the energy in the springs is that of so many pairs, whatever the rest of eight."""
     overlap = 1e-6
