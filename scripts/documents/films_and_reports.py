@@ -19,8 +19,10 @@ from shared import DOCS, ROOT, head, machine, table, write_document
 
 from browser import MISSING, browser, complaints, open_page, resize
 from warpdamp.cli.look import WRITERS
-from warpdamp.damper.shake import shake, warm_up
+from warpdamp.damper.shake import shake
 from warpdamp.damper.trajectory import CYCLES, FRAMES, record
+from warpdamp.engine.compiling import compile_kernels
+from warpdamp.kernels.groups import kernels_for
 from warpdamp.report.film import Film
 from warpdamp.study.again import again, chain_of
 from warpdamp.sweep.cases import Cases
@@ -91,7 +93,8 @@ def film_rows(folder: Path):
     cases = Cases(load(CONFIG))
     chain, criteria = chain_of(cases, only(cases, candidates(cases, CHOICE)))
     specs = [spec for _, spec in chain]
-    warm_up(specs[-1].scene, specs[-1].effects)
+    for kernels in kernels_for(specs[-1].effects):
+        compile_kernels(kernels)
     again(CONFIG, CHOICE, frames=2, shown=1)  # compiles and prepares what is not there yet
     with Clock() as case:
         ((_, values),) = shake([specs], criteria)

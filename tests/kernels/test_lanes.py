@@ -18,9 +18,9 @@ COMPILE = """
 from warpdamp.kernels.options import UNIQUE
 UNIQUE["module_options"]["cpu_compiler_flags"] += " -Rpass=loop-vectorize"
 from warpdamp.scene.effects import Effects
-from warpdamp.damper.shake import warm_up
-from warpdamp.scene.paper import damper
-warm_up(damper(), Effects({effects}))
+from warpdamp.engine.compiling import compile_kernels
+from warpdamp.kernels.groups import Group, Kernels
+compile_kernels(Kernels(Effects({effects}), Group.STEPS))
 """
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from datetime import UTC, datetime
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -89,17 +90,11 @@ def ran(dataset: xr.Dataset) -> xr.DataArray:
 
 def provenance() -> dict:
     """Global attributes of a results file: program and library versions, date, references."""
-    import numpy
-    import scipy
-    import skfem
-    import warp
-    import xarray
-
-    versions = {"numpy": numpy, "scipy": scipy, "scikit-fem": skfem, "warp-lang": warp, "xarray": xarray}
+    libraries = ("numpy", "scipy", "scikit-fem", "warp-lang", "xarray")
     return {
         "Conventions": "CF-1.11",
         "source": f"warpdamp {__version__} (physics {PHYSICS_VERSION}), python {platform.python_version()}, "
-        + ", ".join(f"{name} {module.__version__}" for name, module in versions.items()),
+        + ", ".join(f"{name} {metadata.version(name)}" for name in libraries),
         "history": f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} warpdamp run",
         "references": "Terzioglu & Rongong, Selection of granular damper parameters to achieve optimum vibration "
         "attenuation on vibrating structures",

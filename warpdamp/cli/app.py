@@ -16,7 +16,7 @@ from ..version import PHYSICS_VERSION, __version__
 from . import design as cli_design
 from . import look as cli_look
 from . import structure as cli_structure
-from .common import ConfigArgument, one_line_errors, picture_file, progress, stoppable, writable
+from .common import ConfigArgument, importing_meanwhile, one_line_errors, picture_file, progress, stoppable, writable
 
 EXECUTORS = ("processes", "in-process", "dask")
 
@@ -85,7 +85,7 @@ def run(
                 study.carry_out(checked, store, part=share, report=report, **options)
                 print(f"part {part} is done; warpdamp collect {store} puts all parts together")
                 return
-            dataset = study.run(checked, store=store, report=report, **options)
+            dataset = study.run(checked, store=store, report=importing_meanwhile(report), **options)
         write(dataset, path)
         save(draw(dataset), path.with_suffix(".png"))
     console = Console()

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
+from collections.abc import Callable
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ..errors import UsageError
+
+AFTER_A_RUN = ("xarray", "netCDF4", "scipy.signal", "matplotlib.figure", "matplotlib.backends.backend_agg")
+"""Libraries that results are collected, drawn and summed up with; a second to import."""
 
 ConfigArgument = Annotated[Path, typer.Argument(help="YAML file of the study.", metavar="CONFIG")]
 
@@ -99,6 +105,18 @@ def _time_left_column():
             return Text(f"{max(0, left) / 60:.1f} min left" if before and done < 1 else "")
 
     return TimeLeft()
+
+
+def importing_meanwhile(report: Callable[[str, float], None]) -> Callable[[str, float], None]:
+    """The report of a run that, once workers have something to do, imports ``AFTER_A_RUN`` beside them."""
+    thread = threading.Thread(target=lambda: [import_module(name) for name in AFTER_A_RUN])
+
+    def first_report(stage: str, done: float) -> None:
+        report(stage, done)
+        if stage == "kernels" and thread.ident is None:
+            thread.start()
+
+    return first_report
 
 
 def _plain_progress():

@@ -28,7 +28,7 @@ from ..engine.batch import Batch, Case
 from ..numerics.timestep import Numerics, expected_speed, steps_per_cycle
 from ..scene.contact import softening
 from ..scene.particles import State
-from ..scene.scene import STANDARD_GRAVITY, Cylinder, Drive, Scene, Surface
+from ..scene.scene import Cylinder, Drive, Scene
 from .case import (
     KEEPING_CYCLES,
     MOST_BLOCKS,
@@ -40,6 +40,7 @@ from .case import (
     STILL,
 )
 from .placement import fill
+from .scenes import frictionless, upright_scenes
 from .settling import USUAL, advance, balanced, settle
 
 _log = logging.getLogger(__name__)
@@ -84,8 +85,7 @@ def _shaken(scene: Scene, state: State, cycles: int, numerics: Numerics) -> Stat
     steps = steps_per_cycle(scene, state, steps_per_contact=numerics.steps_per_contact)
     case = Case(scene, state, 1 / (scene.drive.frequency * steps))
     batch = Batch([case], max_rows=cycles + 1, effects=numerics.effects(scene, state))
-    advance(batch, cycles * steps)
-    return batch.read()[0][0]
+    return advance(batch, cycles * steps)[0]
 
 
 def no_longer_rises(clearances, least: float) -> bool:
@@ -93,17 +93,6 @@ def no_longer_rises(clearances, least: float) -> bool:
     if len(clearances) <= PATIENCE:
         return False
     return max(clearances[-PATIENCE:]) - max(clearances[:-PATIENCE]) <= least
-
-
-def frictionless(scene: Scene) -> Scene:
-    """Scene without sliding and rolling friction; restitutions stay."""
-
-    def bare(surfaces):
-        if isinstance(surfaces, Surface):
-            return Surface(surfaces.restitution, 0.0)
-        return tuple(bare(surface) for surface in surfaces)
-
-    return replace(scene, particle_contact=bare(scene.particle_contact), wall_contact=bare(scene.wall_contact))
 
 
 def shaking(scene: Scene, radius, gamma: float = SHAKING_GAMMA) -> Drive:
@@ -137,11 +126,6 @@ def measured_clearance(scene: Scene, state: State, numerics: Numerics = USUAL) -
         state = settle(soft_contacts(upright, state), state, _coarse(numerics))
         heights.append(float(np.average(state.position[:, 2], weights=scene.masses(state))))
     return heights[1] - heights[0]
-
-
-def upright_scenes(scene: Scene) -> list[Scene]:
-    """The scene under standard gravity along the axis, down and up."""
-    return [replace(scene, gravity=(0.0, 0.0, pull)) for pull in (-STANDARD_GRAVITY, STANDARD_GRAVITY)]
 
 
 def packing_fraction(radius, enclosure: Cylinder, clearance: float) -> float:

@@ -23,13 +23,12 @@ import numpy as np
 from ..engine.device import check_device
 from ..errors import PackingError
 from ..files import cache_folder, keep, locked
-from ..scene.effects import Effects
 from ..scene.particles import State
-from ..scene.scene import Drive, Scene
+from ..scene.scene import Scene
 from ..scene.shape import aspects
 from .asked import brought
 from .case import Packing, Request
-from .compaction import compact, frictionless, measured_clearance, upright_scenes
+from .compaction import compact, measured_clearance
 from .placement import place
 from .settling import settle
 
@@ -81,15 +80,6 @@ def _stored(path: Path) -> Packing | None:
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         _log.warning("%s is damaged (%s); making the bed anew", path, error)
         return None
-
-
-def effects(request: Request) -> set[Effects]:
-    """Sets of effects that kernels are compiled for while a bed is made."""
-    scenes = [request.scene, *upright_scenes(request.scene)]
-    if request.preparation == "compacted":
-        bare = frictionless(request.scene)
-        scenes += [bare.driven(None), *(scene.driven(Drive(1.0, 1.0)) for scene in (request.scene, bare))]
-    return {request.numerics.effects(scene, request.grains) for scene in scenes}
 
 
 def _make(request: Request) -> Packing:

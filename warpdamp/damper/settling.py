@@ -75,22 +75,20 @@ def _settled(scene: Scene, state: State, time: float | None, numerics: Numerics)
     dt = contact_step(still, state, steps_per_contact=numerics.steps_per_contact)
     batch = Batch([Case(still, state, dt)], effects=numerics.effects(still, state))
     if time is not None:
-        advance(batch, math.ceil(time / dt))
-        return batch.read()[0][0]
+        return advance(batch, math.ceil(time / dt))[0]
     gravity = float(np.linalg.norm(scene.gravity))
     mass, up = scene.masses(state), -np.array(scene.gravity) / gravity
     resting = RESTING_ENERGY * float(np.sum(mass * state.radius)) * gravity
     fall = math.sqrt(scene.enclosure.height / gravity)
     pause = math.ceil(fall / 2 / dt)
-    before = 0  # steps of batches that ended
+    before, ledger = 0, None  # steps of batches that ended, and where this one is
     for steps in range(pause, math.ceil(LONGEST_REST * fall / dt) + pause, pause):
-        advance(batch, steps - before)
-        state = batch.read()[0][0]
+        state, ledger = advance(batch, steps - before, ledger)
         kinetic = float(np.sum(mass * (state.velocity @ up) ** 2) / 2)
         if kinetic < resting:
             return state
         if np.any(state.aspect != 1) and steps * dt > ROCKING * fall:
-            batch, before = _stopped(still, state, dt, numerics), steps
+            batch, before, ledger = _stopped(still, state, dt, numerics), steps, None
     raise PackingError(
         f"the bed does not come to rest within {LONGEST_REST * fall:.2g} s: kinetic energy {kinetic:.2g} J, at rest "
         f"below {resting:.2g} J; give the contacts a restitution below 1, or friction",
@@ -104,20 +102,29 @@ def _stopped(scene: Scene, state: State, dt: float, numerics: Numerics) -> Batch
     return Batch([Case(scene, still, dt)], effects=numerics.effects(scene, still))
 
 
-def advance(batch: Batch, steps: int) -> None:
-    """Advance a batch of one case.
+def advance(batch: Batch, steps: int, before: Ledger | None = None) -> tuple[State, Ledger]:
+    """Advance a batch of one case to a step; returns what is read there, which costs as much as some hundred steps.
+
+    Parameters
+    ----------
+    batch : Batch
+    steps : int
+    before : Ledger or None
+        What was read where the batch is now.  None: it is read.
 
     Raises
     ------
     OutOfBalance
         If the ledger does not close.
     """
-    before = batch.read()[0][1]
+    before = before or batch.read()[0][1]
     batch.advance(steps)
-    ledger = Ledger(np.concatenate([before.rows, batch.read()[0][1].rows]), before.effects)
+    state, after = batch.read()[0]
+    ledger = Ledger(np.concatenate([before.rows, after.rows]), before.effects)
     if batch.status[0] != KernelStatus.OK or residual_share(ledger) > LARGEST_RESIDUAL:
         raise OutOfBalance(
             "the bed gained energy from nowhere while it was prepared: raise numerics.steps_per_contact "
             "or take numerics.precision float64",
             "preparation",
         )
+    return state, after

@@ -13,13 +13,11 @@ from ..engine.batch import Batch, Case
 from ..engine.checks import DEEPEST, LARGEST_RESIDUAL
 from ..engine.ledger import Ledger, apparent_mass, harmonic_work, maximum_energy
 from ..errors import PackingError
-from ..files import cache_folder, locked
 from ..kernels.columns import IMPULSES, KernelStatus
 from ..numerics.steady import Steady, steady
 from ..numerics.tolerance import RESIDUAL_FACTOR, SMALLEST_EFFECTIVENESS, bed_memory, single_interval
-from ..scene.effects import Effects
 from ..scene.particles import State
-from ..scene.scene import Drive, Scene
+from ..scene.scene import Drive
 from ..status import Status
 from .case import Criteria, Spec
 from .compaction import measured_clearance, packing_fraction
@@ -214,13 +212,3 @@ def _indicators(window: Ledger, drive: Drive) -> dict:
         **{name: window.change(name) / cycles if axial else math.nan for name in IMPULSES},
         "cycle_displacement": float(np.mean(window["displacement"][1:])),
     }
-
-
-def warm_up(scene: Scene, effects: Effects) -> None:
-    """Compile the kernels of a set of effects into the cache on disk, before workers start."""
-    middle = [0, 0, scene.enclosure.height / 2]
-    ball = State.at_rest(middle, scene.enclosure.height / 100)
-    with locked(cache_folder("kernels") / ".lock-search", wait=True):  # sets of effects share the search's kernels
-        batch = Batch([Case(scene.driven(None), ball, 1e-6)], effects=effects)
-    batch.advance(1)
-    batch.read()

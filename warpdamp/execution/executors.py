@@ -83,6 +83,11 @@ class Processes(WorkerPool):
         # Warp does not promise that its runtime survives a fork
         self.executor = ProcessPoolExecutor(self.size, mp_context=get_context("spawn"), initializer=_follow_parent)
 
+    def start(self, call) -> None:
+        """Start all processes with a call each that nobody waits for."""
+        for _ in range(self.size):
+            self.executor.submit(call)
+
     def restart(self, *, hanging: bool) -> bool:
         """Replace the pool; calls in progress are lost."""
         self.stop()

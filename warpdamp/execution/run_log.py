@@ -107,9 +107,12 @@ class RunLog:
         self.state["unfinished"] += cases
         self._now_and_then()
 
-    def cases_start(self) -> None:
-        """Record that cases are given to a worker; the first time is when the time left is counted from."""
-        self.state["first_case"] = self.state["first_case"] or time.time()
+    def cases_start(self) -> bool:
+        """Record that cases are given to a worker; true for the first, from which the time left counts."""
+        first = not self.state["first_case"]
+        if first:
+            self.state["first_case"] = time.time()
+        return first
 
     def progress(self, share: float) -> None:
         """Record the part of the work that is done, 0 to 1."""

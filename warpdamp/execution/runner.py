@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..damper.scenes import effects
+from ..kernels.groups import Kernels, kernels_for
 from ..status import Status
 from .adaptive import needed_cases
 from .batching import batches, limit, pilots
@@ -18,6 +20,7 @@ from .worker import Work, compile_kernels, make_bed, shake_and_keep
 
 if TYPE_CHECKING:
     from ..damper.case import Spec
+    from ..scene.effects import Effects
     from ..sweep.plan import Plan
     from .executors import WorkerPool
     from .run_log import RunLog
@@ -28,7 +31,7 @@ LONGEST_BED = 7200.0
 
 
 class KernelJob(Job):
-    """Kernels to compile; its part is a scene and a set of effects."""
+    """Kernels to compile, which are its part and its name."""
 
 
 class BedJob(Job):
@@ -73,6 +76,7 @@ class Runner:
         self._estimate = Estimate(plan, self._numbers)
         self._bed_examples = list(plan.beds.values())
         self._planned: set = set()
+        self._kernels: dict[Effects, frozenset[Kernels]] = {}
         self._counts = {kind: [0, 0] for kind in STAGES}  # of jobs ended, and of all
         self._failed_beds: dict[int, tuple[str, str]] = {}
         self._new_results = False
@@ -114,18 +118,17 @@ class Runner:
             numbers = further()
 
     def _first_jobs(self, numbers: np.ndarray) -> Iterator[Job]:
-        """Jobs for kernels and beds that cases need and no job was made for yet."""
-        from ..damper.preparation import effects
-
+        """Jobs for kernels and beds that cases need and no job was made for yet; first the kernels of the beds."""
         longest = self.limit or LONGEST_BED
         beds = {int(bed): self.plan.cases.spec(self._bed_examples[bed])[0] for bed in np.unique(self.plan.bed[numbers])}
-        needs = {bed: frozenset(effects(spec.bed)) for bed, spec in beds.items()}
-        scenes = {needed: spec.scene for bed, spec in beds.items() for needed in (spec.effects, *needs[bed])}
-        groups = np.unique(self.plan.group[numbers], return_index=True)[1]
-        for spec, _ in map(self.plan.cases.spec, numbers[groups]):
-            scenes[spec.effects] = spec.scene
-        jobs: list[Job] = [KernelJob([(scenes[e], e)], longest, name=e) for e in sorted(scenes, key=str)]
-        jobs += [BedJob([bed], longest, needs=needed, name=bed) for bed, needed in needs.items()]
+        for_beds = {bed: effects(spec.bed) for bed, spec in beds.items()}
+        for_cases = {self.plan.groups[group][0] for group in np.unique(self.plan.group[numbers])}
+        self._kernels |= {needed: frozenset(kernels_for(needed)) for needed in for_cases}
+        first = _kernels_of(set().union(*for_beds.values()))
+        later = [kernels for kernels in _kernels_of(for_cases) if kernels not in first]
+        jobs: list[Job] = [KernelJob([kernels], longest, name=kernels) for kernels in first]
+        jobs += [BedJob([bed], longest, needs=frozenset(_kernels_of(of)), name=bed) for bed, of in for_beds.items()]
+        jobs += [KernelJob([kernels], longest, name=kernels) for kernels in later]
         jobs = [job for job in jobs if job.name not in self._planned]
         self._planned.update(job.name for job in jobs)
         for kind in STAGES:
@@ -137,20 +140,21 @@ class Runner:
         for chains in batches(self.plan, numbers, self.pool.size, mixed=mixed):
             first = [chain[0] for chain in chains]
             effects, _ = self.plan.groups[self.plan.group[first[0]]]
-            needs = frozenset([effects, *map(int, self.plan.bed[first])])
+            needs = self._kernels[effects] | set(map(int, self.plan.bed[first]))
             yield CaseJob(chains, self.limit or limit(self.plan, chains), needs=needs)
 
     def _order(self, job: Job) -> tuple | None:
         """Call that a worker makes for a job, and its arguments."""
         if isinstance(job, KernelJob):
-            return compile_kernels, *job.parts[0]
+            return compile_kernels, job.parts[0]
         if isinstance(job, BedJob):
             return make_bed, self.plan.cases.spec(self._bed_examples[job.parts[0]])[0].bed
         job.parts = [chain for chain in job.parts if int(self.plan.bed[chain[0]]) not in self._failed_beds]
         return (shake_and_keep, str(self.store.folder), self._work(job.parts)) if job.parts else None
 
     def _work(self, chains: list[list[int]]) -> Work:
-        self.run_log.cases_start()
+        if self.run_log.cases_start():
+            self.report("cases", 0.0)
         specs: list[list[Spec]] = [[self.plan.cases.spec(number)[0] for number in chain] for chain in chains]
         keys = {
             spec.index: bytes(self.plan.keys[number])
@@ -215,3 +219,9 @@ class Runner:
         if self._failed_beds and np.isin(self.plan.bed[needed], list(self._failed_beds)).all():
             reason, key = next(iter(self._failed_beds.values()))
             raise self.plan.cases.config.error(key, reason)
+
+
+def _kernels_of(sets: set[Effects]) -> list[Kernels]:
+    """Kernels of several sets of effects, each once, the slowest to compile first."""
+    groups = zip(*(kernels_for(effects) for effects in sorted(sets, key=str)), strict=True)
+    return list(dict.fromkeys(kernels for group in groups for kernels in group))

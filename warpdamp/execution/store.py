@@ -123,6 +123,11 @@ class Store:
         )
         return _each_once(union)
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether there are no shards."""
+        return not any((self.folder / "shards").glob("*.nc"))
+
     def finished(self, *, repair: bool = False) -> np.ndarray:
         """Keys of the cases that ended by themselves, sorted; others are run again."""
         stored = self.read(("status",), repair=repair)

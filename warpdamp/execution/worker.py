@@ -14,8 +14,7 @@ from .store import Store
 
 if TYPE_CHECKING:
     from ..damper.case import Criteria, Request, Spec
-    from ..scene.effects import Effects
-    from ..scene.scene import Scene
+    from ..kernels.groups import Kernels
 
 _alone = threading.Lock()
 """A process runs one batch at a time: Dask may give a worker several threads, Warp's runtime serves one."""
@@ -107,14 +106,17 @@ def _seconds(chains: list[list[Spec]], results, cpu: float) -> list[float]:
     return [advance[spec.index] + others * (advance[spec.index] > 0) for chain in chains for spec in chain]
 
 
-def compile_kernels(scene: Scene, effects: Effects) -> None:
-    """Compile the kernels of a set of effects into the cache on disk; a device that is not there the beds refuse."""
-    from ..damper.shake import warm_up
-    from ..engine.device import present
+def get_ready() -> None:
+    """Import what all other work of a worker takes; half a second."""
+    from ..damper import shake  # noqa: F401
+
+
+def compile_kernels(kernels: Kernels) -> None:
+    """Compile kernels into the cache on disk."""
+    from ..engine.compiling import compile_kernels
 
     with _alone:
-        if effects.device in present():
-            warm_up(scene, effects)
+        compile_kernels(kernels)
 
 
 def make_bed(request: Request) -> tuple[str, str] | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from concurrent.futures import Executor
+from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -18,6 +19,7 @@ from ..execution.executors import worker_pool
 from ..execution.run_log import RunLog
 from ..execution.runner import Runner
 from ..execution.store import Finished, Store
+from ..execution.worker import get_ready
 from ..status import FIRST_UNFINISHED, Status
 from ..sweep.cases import Cases
 from ..sweep.load import load
@@ -170,7 +172,11 @@ def carry_out(
         raise config.error("dampers", "several dampers are run as a whole: leave --part out")
     config = with_tolerance(self_contained(shortened(config) if quick else config))
     results = Store(store)
-    with results.lock(part):
+    with results.lock(part), ExitStack() as stack:
+        pool = None
+        if executor == "processes" and results.is_empty:  # there is something to run: they start while it is planned
+            pool = stack.enter_context(worker_pool(executor, workers))
+            pool.start(get_ready)
         report("modes", 0.0)
         plan = load_or_make_plan(Cases(config), results.folder)
         report("modes", 1.0)
@@ -179,9 +185,9 @@ def carry_out(
         numbers = _left(plan, results, part)
         with RunLog(results.folder, len(numbers), part) as run_log:
             if len(numbers):
-                with worker_pool(executor, workers) as pool:
-                    further = _Further(plan, results, part, numbers, run_log)
-                    Runner(plan, results, pool, run_log, limit, report).run(numbers, further)
+                pool = pool or stack.enter_context(worker_pool(executor, workers))
+                further = _Further(plan, results, part, numbers, run_log)
+                Runner(plan, results, pool, run_log, limit, report).run(numbers, further)
     return plan
 
 
