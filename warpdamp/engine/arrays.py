@@ -98,7 +98,7 @@ class Transfer:
             c.pair, c.wall = (self.array(memory.ravel(), self.types.History) for memory in (pair, wall))
         return c
 
-    def listed(self, k: int, contacts, part: int = 10_000) -> Iterator[np.ndarray]:
+    def listed(self, k: int, contacts, part: int = 2_000) -> Iterator[np.ndarray]:
         """Pairs in the neighbour list of case ``k``, (m, 2), in its own numbers, of ``part`` particles at a time."""
         first, last, order = self.first[k], self.first[k + 1], self.order[k]
         start, owner, partner = (array.numpy() for array in (contacts.start, contacts.owner, contacts.partner))

@@ -147,8 +147,8 @@ class State:
         upright = np.shape(axis) == (3,) and tuple(axis) == UPRIGHT
         aspect = () if spheres else np.broadcast_to(np.asarray(aspect, float), len(position))
         axis = () if spheres and upright else np.broadcast_to(np.asarray(axis, float), position.shape)
-        still = np.zeros_like(position)
-        return cls(position, still, still.copy(), radius, species=species, aspect=np.array(aspect), axis=np.array(axis))
+        velocity, spin = np.zeros((2, *position.shape))  # which takes no memory until they are written
+        return cls(position, velocity, spin, radius, species=species, aspect=np.array(aspect), axis=np.array(axis))
 
     def __len__(self) -> int:
         return len(self.position)
