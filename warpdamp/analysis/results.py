@@ -6,14 +6,17 @@ import platform
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from ..errors import UsageError
 from ..files import netcdf_errors, whole_file
 from ..variables import NOT_RUN
 from ..version import PHYSICS_VERSION, __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 CLAIMED = ("energy_dissipated", "effectiveness")
 """Variables whose mean over packings has the error of ``energy_mean``: spread, memory, averaging and step."""
@@ -38,6 +41,8 @@ def over_packings(dataset: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.Data
     mean, standard_error : xarray.DataArray
         Without the dimension ``seed``, in the unit of the variable.
     """
+    import xarray as xr
+
     value = dataset[name]
     errors = dataset.get(f"{name}_standard_error", xr.full_like(value, np.nan))
     done = ran(dataset)
@@ -85,6 +90,8 @@ def ran(dataset: xr.Dataset) -> xr.DataArray:
     xarray.DataArray of bool
         On the dimensions of ``status``.
     """
+    import xarray as xr
+
     return dataset["status"] != NOT_RUN if "status" in dataset else xr.ones_like(dataset["seed"], bool)
 
 
@@ -132,6 +139,8 @@ def read(path: Path, *, coupled: bool = False, design: bool = False) -> xr.Datas
     UsageError
         If there is no such file, it is not a netCDF file, or holds no results.
     """
+    import xarray as xr
+
     with netcdf_errors(path):
         dataset = xr.load_dataset(path)
     accepted = (coupled and is_coupled(dataset)) or (design and is_design(dataset))

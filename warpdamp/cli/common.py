@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable
 from contextlib import contextmanager
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -15,7 +16,10 @@ import typer
 
 from ..errors import UsageError
 
-AFTER_A_RUN = ("xarray", "netCDF4", "scipy.signal", "matplotlib.figure", "matplotlib.backends.backend_agg")
+AFTER_A_RUN = (
+    *("xarray", "dask.array", "distributed", "netCDF4"),  # of which xarray takes what is installed
+    *("scipy.signal", "matplotlib.figure", "matplotlib.backends.backend_agg"),
+)
 """Libraries that results are collected, drawn and summed up with; a second to import."""
 
 ConfigArgument = Annotated[Path, typer.Argument(help="YAML file of the study.", metavar="CONFIG")]
@@ -109,7 +113,8 @@ def _time_left_column():
 
 def importing_meanwhile(report: Callable[[str, float], None]) -> Callable[[str, float], None]:
     """The report of a run that, once workers have something to do, imports ``AFTER_A_RUN`` beside them."""
-    thread = threading.Thread(target=lambda: [import_module(name) for name in AFTER_A_RUN])
+    installed = [name for name in AFTER_A_RUN if find_spec(name.partition(".")[0])]
+    thread = threading.Thread(target=lambda: [import_module(name) for name in installed])
 
     def first_report(stage: str, done: float) -> None:
         report(stage, done)
