@@ -33,6 +33,17 @@ def test_one_packing_of_each_point_tells_what_the_others_take(plan):
     assert estimate.share == pytest.approx(1 / 3, rel=1e-6)  # all packings of a point take the same here
 
 
+def test_cases_cost_what_those_like_them_took(plan):
+    """At the least until some have finished; then thirty times as much at 700 Hz, where cases are cheapest at first."""
+    numbers = np.arange(60)
+    estimate = Estimate(plan, numbers)
+    np.testing.assert_array_equal(estimate.costs, plan.cost)
+    first = pilots(plan, numbers)
+    estimate.finished(first, seconds(plan, first))
+    np.testing.assert_allclose(estimate.costs, 1e5 * seconds(plan, numbers), rtol=1e-6)
+    assert estimate.costs.argmax() >= 30 > plan.cost.argmax()
+
+
 def test_cases_at_the_same_frequency_are_nearer_than_those_of_the_same_cost(plan):
     numbers = np.arange(60)
     estimate = Estimate(plan, numbers)

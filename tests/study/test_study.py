@@ -41,6 +41,8 @@ def small(small_config):
     stages = []
     dataset = warpdamp.run(small_config, workers=2, report=lambda stage, done: stages.append((stage, done)))
     assert {stage for stage, _ in stages} == {"modes", "kernels", "beds", "cases"}
+    of_cases = [done for stage, done in stages if stage == "cases"]
+    assert of_cases[0] == 0  # as the first are given to a worker: what a time left, or a benchmark, counts from
     assert stages[-1] == ("cases", pytest.approx(1.0))
     return dataset
 

@@ -43,22 +43,36 @@ PATIENCE = 300.0
 """Seconds that a batch may take in any case: kernels are compiled, and beds made, in them."""
 
 
-def batches(plan: Plan, numbers: np.ndarray, workers: int, *, mixed: bool = False) -> Iterator[list[list[int]]]:
+def batches(
+    plan: Plan, numbers: np.ndarray, workers: int, *, costs: np.ndarray | None = None, mixed: bool = False
+) -> Iterator[list[list[int]]]:
     """Batches of chains of case numbers, of one group and length each, the most expensive first, or ``mixed``.
 
     A chain of which any case is to be run is run whole; cases with one key are run once.
+
+    Parameters
+    ----------
+    plan : Plan
+    numbers : (n,) array
+        Cases to run.
+    workers : int
+    costs : array or None
+        Particle-steps that each case of the plan is expected to take.  None: those that it takes at the least.
+    mixed : bool
+        Whether any beginning is to be a fair sample.
     """
     if not len(numbers):
         return
+    costs = plan.cost if costs is None else costs
     heads = np.unique(plan.chain[numbers])
     members = {}
     for head, chain in _members(plan, heads).items():
         members.setdefault(bytes(plan.keys[chain[-1]]), (head, chain))
     members = dict(members.values())
-    costs = {head: float(plan.cost[chain].sum()) for head, chain in members.items()}
-    left = sum(costs.values())
+    price = {head: float(costs[chain].sum()) for head, chain in members.items()}
+    left = sum(price.values())
     smallest = left / (SMALLEST_SHARE * workers)
-    order = sorted(members, key=lambda head: (head * GOLDEN % 1 if mixed else -costs[head], head))
+    order = sorted(members, key=lambda head: (head * GOLDEN % 1 if mixed else -price[head], head))
     by_bed = len(np.unique(plan.bed[heads])) <= FEW_BEDS
     open_batches: dict[tuple, tuple[list, float]] = {}
     for head in order:
@@ -66,8 +80,8 @@ def batches(plan: Plan, numbers: np.ndarray, workers: int, *, mixed: bool = Fals
         group = int(plan.group[head]), len(chain), int(plan.bed[head]) if by_bed else -1
         batch, cost = open_batches.pop(group, ([], 0.0))
         batch.append(chain)
-        cost += costs[head]
-        left -= costs[head]
+        cost += price[head]
+        left -= price[head]
         share = min(BATCH_COST, max((left + cost) / (AHEAD * workers), smallest))
         if cost >= share or len(batch) >= MOST_CASES:
             yield batch

@@ -62,14 +62,30 @@ class Estimate:
     def share(self) -> float:
         """Part of the work that is done, 0 to 1."""
         left = np.bincount(self._cell, self._cost * self._left, len(self._places))
-        wanted, known = np.flatnonzero(left), np.flatnonzero(self._least)
+        wanted = np.flatnonzero(left)
         if not len(wanted):
             return 1.0
-        if not len(known):
+        if not self._least.any():
             return 0.0
-        rates = np.log(self._seconds[known] / self._least[known])
-        distance = np.abs(self._places[wanted, None] - self._places[None, known]).sum(axis=-1)
-        weights = 1 / (distance + 1e-3) ** 2
-        rest = float(left[wanted] @ np.exp(weights @ rates / weights.sum(axis=1)))
+        rest = float(left[wanted] @ np.exp(self._rates(wanted)))
         done = float(self._seconds.sum())
         return done / (done + rest)
+
+    @property
+    def costs(self) -> np.ndarray:
+        """Particle-steps that each case of the plan is expected to take, (n,).
+
+        At the least, until some have finished; then times how much longer those like it took than the quickest did.
+        """
+        if not self._least.any():
+            return self._cost
+        rates = self._rates(np.arange(len(self._places)))
+        return self._cost * np.exp(rates - rates.min())[self._cell]
+
+    def _rates(self, cells: np.ndarray) -> np.ndarray:
+        """Logarithms of the seconds that kinds of cases take for each of their least particle-steps, (m,)."""
+        known = np.flatnonzero(self._least)
+        rates = np.log(self._seconds[known] / self._least[known])
+        distance = np.abs(self._places[cells, None] - self._places[None, known]).sum(axis=-1)
+        weights = 1 / (distance + 1e-3) ** 2
+        return weights @ rates / weights.sum(axis=1)

@@ -137,7 +137,7 @@ class Runner:
         yield from jobs
 
     def _case_jobs(self, numbers: np.ndarray, *, mixed: bool = False) -> Iterator[Job]:
-        for chains in batches(self.plan, numbers, self.pool.size, mixed=mixed):
+        for chains in batches(self.plan, numbers, self.pool.size, costs=self._estimate.costs, mixed=mixed):
             first = [chain[0] for chain in chains]
             effects, _ = self.plan.groups[self.plan.group[first[0]]]
             needs = self._kernels[effects] | set(map(int, self.plan.bed[first]))
