@@ -79,6 +79,7 @@ class Runner:
         self._kernels: dict[Effects, frozenset[Kernels]] = {}
         self._counts = {kind: [0, 0] for kind in STAGES}  # of jobs ended, and of all
         self._failed_beds: dict[int, tuple[str, str]] = {}
+        self._given = 0  # jobs of cases that workers have been given
         self._new_results = False
 
     def run(self, numbers: np.ndarray, further: Callable[[], np.ndarray]) -> None:
@@ -110,7 +111,10 @@ class Runner:
                 self._numbers = np.union1d(self._numbers, numbers)
                 self._estimate.add(numbers)
                 yield from self._first_jobs(numbers)
-                yield from self._case_jobs(first, mixed=True)  # all frequencies early, so that the time left is known
+                pilot_jobs = list(self._case_jobs(first, mixed=True))  # all frequencies early, for what they take
+                yield from pilot_jobs
+                while self._given < len(pilot_jobs):  # says how the others are put together
+                    yield None
                 yield from self._case_jobs(numbers[~np.isin(self.plan.keys[numbers], self.plan.keys[first])])
             while not self._new_results:
                 yield None
@@ -149,6 +153,7 @@ class Runner:
             return compile_kernels, job.parts[0]
         if isinstance(job, BedJob):
             return make_bed, self.plan.cases.spec(self._bed_examples[job.parts[0]])[0].bed
+        self._given += 1
         job.parts = [chain for chain in job.parts if int(self.plan.bed[chain[0]]) not in self._failed_beds]
         return (shake_and_keep, str(self.store.folder), self._work(job.parts)) if job.parts else None
 
