@@ -41,15 +41,16 @@ KEPT = ROOT / "results" / "coverage"
 
 @dataclass(frozen=True)
 class Draw:
-    """Points drawn at random for every bed, and the packings that each is run with."""
+    """Points drawn at random for every bed, more of them for mixtures, and the packings that each is run with."""
 
     name: str
     source: int
     points: int
+    of_mixtures: int
     seeds: tuple[int, ...]
 
 
-DRAWS = (Draw("measured", 15, 4, (11, 12, 13)), Draw("tested", 16, 20, (1, 3, 4)))
+DRAWS = (Draw("measured", 15, 12, 36, (11, 12, 13)), Draw("tested", 16, 20, 20, (1, 3, 4)))
 
 BEDS = {
     "30 spheres": ((RADIUS,) * 30, 0.42),
@@ -72,8 +73,8 @@ def drawn(draw: Draw) -> list[tuple[str, int, Spec]]:
     """The cases of a draw: the bed's name, the number of the point, what is run."""
     rng, chosen = np.random.default_rng(draw.source), settings_for(TOLERANCE)
     cases = []
-    for name in BEDS:
-        for point in range(draw.points):
+    for name, (radius, _) in BEDS.items():
+        for point in range(draw.of_mixtures if len(set(radius)) > 1 else draw.points):
             frequency, gamma = 60 * 10 ** rng.uniform(0, 0.8), rng.uniform(1.5, 12)
             for seed in draw.seeds:
                 request = bed(name, seed)
