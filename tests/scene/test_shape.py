@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from warpdamp.scene.particles import ContactHistory, Grains, State, inverse_sphere_inertia, sphere_volume
+from warpdamp.scene.particles import ContactHistory, Grains, State
 from warpdamp.scene.shape import (
     allowed_aspects,
     aspects,
@@ -17,6 +17,7 @@ from warpdamp.scene.shape import (
     too_flat_or_long,
     two_ends_at_the_side,
 )
+from warpdamp.scene.sphere import inverse_sphere_inertia, sphere_volume
 
 ASPECTS = np.array([0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.5, 4.0])
 

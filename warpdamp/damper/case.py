@@ -9,7 +9,8 @@ from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 from ..errors import PackingError
-from ..numerics.timestep import STEPS_PER_CONTACT, Numerics
+from ..numerics.limits import STEPS_PER_CONTACT
+from ..numerics.timestep import Numerics
 from ..scene.effects import Effects, called_for
 from ..scene.particles import Grains, State
 from ..scene.scene import Scene

@@ -9,9 +9,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..errors import PackingError
-from ..scene.particles import UPRIGHT, Grains, sphere_volume
+from ..scene.particles import UPRIGHT, Grains
 from ..scene.scene import Cylinder
 from ..scene.shape import aspects, bounding_radius, refused_shape
+from ..scene.sphere import sphere_volume
 from .case import GROWN
 from .fire import minimised
 from .spheroids import FEW, MOST, random_start, turned_apart
@@ -19,7 +20,7 @@ from .spheroids import FEW, MOST, random_start, turned_apart
 
 def fill(radius, enclosure: Cylinder) -> float:
     """Fill of the cavity: volume of the particles over the cavity's [-]."""
-    return float(np.sum(sphere_volume(radius))) / enclosure.volume
+    return float(np.sum(sphere_volume(np.asarray(radius)))) / enclosure.volume
 
 
 def separate(radius, enclosure: Cylinder, seed: int) -> np.ndarray:

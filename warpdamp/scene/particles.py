@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
 from .shape import bounding_radius, flattest_radius, semi_axes, spheroid_inertia
+from .sphere import inverse_sphere_inertia, sphere_volume
 
 
 @dataclass(frozen=True)
@@ -242,38 +242,6 @@ class State:
 
         histories = {name: history(name) for name in _HISTORIES}
         return cls(**rest, **histories)
-
-
-def sphere_volume(radius):
-    """Volume of spheres, 4 pi R^3 / 3 [m^3].
-
-    Parameters
-    ----------
-    radius : (...) array
-        R [m].
-
-    Returns
-    -------
-    (...) array
-        [m^3].
-    """
-    return 4 / 3 * math.pi * np.asarray(radius) ** 3
-
-
-def inverse_sphere_inertia(mass, radius):
-    """Inverse of the moment of inertia of solid spheres about their centres, 5 / (2 m R^2) [1/(kg m^2)].
-
-    Parameters
-    ----------
-    mass, radius : float or array
-        m [kg], R [m].
-
-    Returns
-    -------
-    float or array
-        [1/(kg m^2)].
-    """
-    return 2.5 / (mass * radius**2)
 
 
 @dataclass(frozen=True, eq=False)
