@@ -260,16 +260,16 @@ class DamperConfig(Model):
         """Spheroids fit the cavity at full length, and touch its side in one place at the most."""
         if not self.spheroids:
             return
-        from ..scene.shape import bounding_radius, refused_shape
+        from ..scene.shape import SPHEROIDS
 
         for k, part in enumerate(self.mixture):
             radii, aspect, cavity = part.radii(), part.shape.aspect, self.enclosure
             if aspect == 1:
                 continue
             place = f"particles.{k}.shape.aspect" if isinstance(self.particles, list) else "particles.shape.aspect"
-            if refusal := refused_shape(radii, aspect, cavity.diameter / 2):
+            if refusal := SPHEROIDS.refused(radii, aspect, cavity.diameter / 2):
                 raise ValueError(f"{place}: {refusal}")
-            longest = 2 * float(bounding_radius(radii, aspect).max())
+            longest = 2 * float(SPHEROIDS.bounding_radius(radii, aspect).max())
             if longest >= min(cavity.diameter, cavity.height):
                 raise ValueError(
                     f"{place}: particles {1e3 * longest:.3g} mm across do not fit the cavity "

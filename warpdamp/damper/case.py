@@ -110,8 +110,7 @@ class Request:
     def key(self) -> str:
         """Hash of the inputs, the recipe, and the version of the physics."""
         values = asdict(self) | {"scene": asdict(self.scene.driven(None)), "physics": PHYSICS_VERSION, "recipe": RECIPE}
-        if not self.grains.aspect:  # beds of spheres keep the keys that they had before there were spheroids
-            del values["grains"]["aspect"]
+        values["grains"] = self.grains.given()  # beds of spheres keep the keys that they had before other shapes
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:24]
 
 

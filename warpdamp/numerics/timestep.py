@@ -11,7 +11,7 @@ from ..scene.contact import impact_time, strongest_dashpot
 from ..scene.effects import Device, Effects, Precision, called_for
 from ..scene.particles import State
 from ..scene.scene import Scene
-from ..scene.shape import aspects, shortest_contact_share
+from ..scene.shape import aspects, shape_of
 from ..scene.sphere import sphere_volume
 from .limits import FEWEST_STEPS_PER_CONTACT, FEWEST_STEPS_PER_CYCLE, STEPS_PER_CONTACT
 
@@ -84,7 +84,8 @@ def shortest_contact(scene: Scene, grains, speed: float) -> float:
     """
     radius, species, aspect = np.asarray(grains.radius), np.asarray(grains.species), aspects(grains)
     times = []
-    share = {k: min(map(shortest_contact_share, set(aspect[species == k].tolist()))) for k in set(species.tolist())}
+    of_aspect = shape_of(grains).contact_share
+    share = {k: min(map(of_aspect, set(aspect[species == k].tolist()))) for k in set(species.tolist())}
     smallest = {k: float(np.min(radius[species == k])) for k in set(species.tolist())}
     for i, a in smallest.items():
         material, mass = scene.materials[i], float(scene.mass(a, i))

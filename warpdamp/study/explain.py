@@ -19,7 +19,7 @@ from ..execution.store import Finished
 from ..numerics.timestep import expected_speed, shortest_contact
 from ..scene.effects import EFFECTS, NOT_MODELLED, Effects, called_for
 from ..scene.scene import STANDARD_GRAVITY
-from ..scene.shape import aspects
+from ..scene.shape import SHAPES, aspects
 from ..sweep.cases import Cases
 from ..sweep.plan import Fate, make_plan
 from ..sweep.resolve import self_contained, with_tolerance
@@ -66,7 +66,7 @@ def effects_of(config: Config, spec: Spec) -> list[Explanation]:
     explained = []
     for name in (name for name, effect in EFFECTS.items() if effect.keys):
         on = getattr(effects, name)
-        why = _aspects(config, spec) if name == "spheroids" else _why(config, name, on)
+        why = _aspects(config, spec) if name in SHAPES else _why(config, name, on)
         if name in forced and on != getattr(called, name):
             why = f"forced {'on' if on else 'off'}, though the scene {'calls' if not on else 'does not call'} for it"
         full = recall("frozen", effects)
