@@ -32,7 +32,8 @@ from warpdamp.numerics.steady import standard_error
 from warpdamp.numerics.timestep import steps_per_cycle
 from warpdamp.numerics.tolerance import bed_memory, settings_for, student
 from warpdamp.scene.paper import RADIUS, damper
-from warpdamp.scene.scene import STANDARD_GRAVITY, sphere_volume
+from warpdamp.scene.scene import STANDARD_GRAVITY
+from warpdamp.scene.sphere import sphere_volume
 
 TOLERANCE = 0.05
 LONGER, FEWEST, MOST = 5, 30, 400

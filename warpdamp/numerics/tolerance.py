@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .timestep import FEWEST_STEPS_PER_CONTACT
+from .limits import FEWEST_PACKINGS, FEWEST_STEPS_PER_CONTACT
 
 STEP_ERROR = 0.005
 """Relative error of the energy per cycle that a study assumes at 24 steps a contact; of second order.  Six points
@@ -43,7 +43,6 @@ SMALLEST_EFFECTIVENESS = 1e-3
 """Energies below this part of the ideal damper's count as nothing: no error is relative to less."""
 
 FINEST = 120.0
-FEWEST_PACKINGS = 3
 
 
 @dataclass(frozen=True)
