@@ -33,8 +33,8 @@ LOOSE_MEMORY, TIGHT_MEMORY = 0.04, 0.06
 """Relative standard error of a single bed, however well its cycles are averaged: a bed stays in one state for hundreds
 of cycles, and what a state dissipates differs.  The larger of the root mean square beyond averages (3.8 and 4.3 %) and
 what 95 % of the cases need to lie within their 95 % intervals (2.7 and 5.5 %), up to the next half percent: 36 and 24
-cases, the draw ``measured`` of scripts/documents/coverage.py, compacted beds 3.6 to 5.4 spheres across, one of them of
-many sizes (docs/bed-states.md); packings average it out."""
+cases of compacted beds 3.6 to 5.4 spheres across, one of them of many sizes; a larger draw of beds that were compacted
+further gives a little more, and most for mixtures (docs/bed-states.md, docs/accuracy.md); packings average it out."""
 
 TIGHT_FILL = 0.5
 """Part of the cavity that particles fill from which a bed counts as tight: 0.42-0.48 and 0.51-0.519 were measured."""
