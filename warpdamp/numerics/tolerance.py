@@ -16,7 +16,7 @@ from .limits import FEWEST_PACKINGS, FEWEST_STEPS_PER_CONTACT
 
 STEP_ERROR = 0.005
 """Relative error of the energy per cycle that a study assumes at 24 steps a contact; of second order.  Six points
-together show 0.05 %, single ones as much as chance allows to see (docs/accuracy.md)."""
+together show 0.1 %, single ones as much as chance allows to see (docs/accuracy.md)."""
 
 STEP_SHARE = 1 / 3
 """Largest part of the tolerance that is left to the step."""
@@ -26,8 +26,8 @@ SLACK = 0.5
 its bed's state."""
 
 RESIDUAL_FACTOR = 2.5
-"""Estimated step error of a case over the ledger's residual.  Six points together show 0.3; upper bounds of
-single ones, in which chance is the most, reach 4.6 (docs/accuracy.md)."""
+"""Estimated step error of a case over the ledger's residual.  Six points together show 0.6; upper bounds of
+single ones, in which chance is the most, reach 3.3 (docs/accuracy.md)."""
 
 LOOSE_MEMORY, TIGHT_MEMORY = 0.04, 0.06
 """Relative standard error of a single bed, however well its cycles are averaged: a bed stays in one state for hundreds
