@@ -89,8 +89,8 @@ def verdict(search: Search, design: Design, drives: Drives, rows: list[Row], emu
     damping = drives.damping(effectiveness, design.mass)
     error = np.std(damping, axis=0, ddof=1) / np.sqrt(n)
     interval = np.hypot(t.ppf(0.975, n - 1) * error, 2 * step * damping.mean(axis=0))
-    own = _probability(search, design, drives, effectiveness, step)
-    without = [_probability(search, design, drives, np.delete(effectiveness, k, 0), step) for k in range(n)]
+    own = probability(search, design, drives, effectiveness, step)
+    without = [probability(search, design, drives, np.delete(effectiveness, k, 0), step) for k in range(n)]
     return Verified(
         design,
         drives,
@@ -103,7 +103,7 @@ def verdict(search: Search, design: Design, drives: Drives, rows: list[Row], emu
     )
 
 
-def _probability(search: Search, design: Design, drives: Drives, effectiveness: np.ndarray, step: float) -> float:
+def probability(search: Search, design: Design, drives: Drives, effectiveness: np.ndarray, step: float) -> float:
     """Probability that the mean over packings meets the target at every drive: multivariate Student's t."""
     n = len(effectiveness)
     rng = np.random.default_rng(2)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..config.reading import read
 from ..config.study import Config
-from .cases import Cases
+from .grid import Grid
 
 
 def load(path: str | Path) -> Config:
@@ -38,5 +38,5 @@ def load(path: str | Path) -> Config:
     warpdamp.errors.ConfigError: configs/beam_modes.csv:1:1: not a warpdamp configuration: ...
     """
     config = read(path)
-    Cases(config)  # what is wrong with a sweep is said now
+    Grid(config)  # what is wrong with a sweep is said now
     return config
