@@ -8,6 +8,9 @@ from .particles import UPRIGHT, State
 from .scene import Cylinder
 from .shape import bodies_of
 
+PART = 2_000
+"""Particles that are looked at together, so that a large bed takes no memory for it."""
+
 
 def pair_overlaps(state: State, pairs: np.ndarray) -> np.ndarray:
     """Overlaps of pairs of a state's particles, negative where they are apart, (m,) [m].
@@ -32,7 +35,8 @@ def wall_overlaps(state: State, enclosure: Cylinder) -> dict[str, np.ndarray]:
     """
     z, bodies = state.position[:, 2], bodies_of(state)
     rise = bodies.height(np.broadcast_to(UPRIGHT, state.position.shape))
-    farthest, _ = bodies.farthest_from_axis(state.position)
+    parts = [slice(first, first + PART) for first in range(0, max(len(state), 1), PART)]
+    farthest = np.concatenate([bodies[part].farthest_from_axis(state.position[part])[0] for part in parts])
     overlaps = {
         "side": farthest - enclosure.diameter / 2,
         "floor": rise - z,
