@@ -129,7 +129,6 @@ class Config(Model):
     coupled: CoupledConfig | None = None
     """Runs in which the structure answers, of ``warpdamp coupled``."""
     design: DesignConfig | None = None
-    """Damper that is looked for: `warpdamp design`."""
     """What a damper is to be designed for, of ``warpdamp design``."""
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)

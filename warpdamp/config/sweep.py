@@ -160,6 +160,12 @@ class SweepConfig(_Model):
     exclude: list[Annotated[dict[str, Scalar | list[Scalar] | Between], Field(min_length=1)]] = []
     """Combinations to leave out: where all of an entry holds."""
 
+    @model_validator(mode="after")
+    def _something(self):
+        if not (self.product or self.zip or self.sample or self.csv or self.exclude):
+            raise ValueError("nothing is swept: give product, zip, sample or csv, or leave the section out")
+        return self
+
     def keys(self) -> list[str]:
         """Paths of the scalars that it varies, as written; those of a table beside it are not among them."""
         sampled = self.sample.over if self.sample else {}

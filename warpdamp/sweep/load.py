@@ -7,6 +7,7 @@ from pathlib import Path
 from ..config.reading import read
 from ..config.study import Config
 from .cases import Cases
+from .exclude import refuse_exclusions_in_vain
 
 
 def load(path: str | Path) -> Config:
@@ -38,5 +39,5 @@ def load(path: str | Path) -> Config:
     warpdamp.errors.ConfigError: configs/beam_modes.csv:1:1: not a warpdamp configuration: ...
     """
     config = read(path)
-    Cases(config)  # what is wrong with a sweep is said now
+    refuse_exclusions_in_vain(Cases(config))  # what else is wrong with a sweep is said by making them
     return config
