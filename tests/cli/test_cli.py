@@ -73,7 +73,7 @@ def test_modes_can_be_drawn_and_written(tmp_path):
         assert (tmp_path / name).read_bytes().startswith(head)
     done = warpdamp("modes", config, "-o", tmp_path / "modes.txt")
     assert done.returncode == 2
-    assert "name a file that ends in" in done.stderr
+    assert "name a file that ends in .csv, .uff, .unv, .uf, .png, .pdf or .svg" in done.stderr
 
 
 def test_known_modes_are_shown_as_the_particles_make_them():
