@@ -3,7 +3,8 @@ Map of frequency and Gamma
 ==========================
 
 A damper without a structure over frequency and amplitude, here every second of the frequencies that were run: its
-effectiveness, and the lines of both optima. ``draw`` makes a map where there are two axes.
+effectiveness, and the lines of both optima. ``draw`` makes a map where there are two axes. The data
+are of an earlier version of the physics, whose beds were less compact.
 """
 
 from pathlib import Path
