@@ -84,7 +84,7 @@ class EnclosureConfig(Model):
     height: Annotated[Length, _positive]
     """Inner height of the cylinder, from floor to lid."""
     material: str
-    """Name of the walls' material, one of ``materials``."""
+    """Name of the walls' material, one of ``materials`` or of the library."""
     side: bool = True
     """Whether the cylinder's side is there."""
     floor: bool = True
@@ -178,7 +178,7 @@ class ParticlesConfig(Model):
     radius: Annotated[Length, _positive] | SizesConfig
     """Radius of the spheres (of spheroids: of the sphere of the same volume), or a distribution of radii."""
     material: str
-    """Name of the particles' material, one of ``materials``."""
+    """Name of the particles' material, one of ``materials`` or of the library."""
     shape: ShapeConfig = ShapeConfig()
     """Shape of the particles; spheres unless given."""
 

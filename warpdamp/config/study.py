@@ -85,7 +85,7 @@ class NumericsConfig(Model):
     device: Device = "cpu"
     """Device that simulates; one that this machine lacks is refused."""
     precision: Literal["float64", "float32"] = "float64"
-    """Of the motion; the ledger is always of float64."""
+    """Precision of the motion; the ledger is always of float64."""
     steps_per_contact: Annotated[Number, Field(ge=10)] = 24.0
     """Steps in the shortest contact expected; the step divides the period."""
     step: Literal["auto"] | Annotated[Time, _positive] = "auto"
@@ -106,9 +106,9 @@ class Config(Model):
     materials: Annotated[
         dict[Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_-]*$")], MaterialConfig], Field(min_length=1)
     ]
-    """Materials by names of your own."""
+    """Materials by names of your own; names of the library (``warpdamp materials``) need not be here."""
     contact: ContactConfig
-    """What happens where particles touch each other and the walls."""
+    """What happens where particles touch each other and the walls; what the library knows may be left out."""
     excitation: ExcitationConfig
     """How the cavity is shaken."""
     preparation: Word | PreparationConfig = "compacted"

@@ -128,7 +128,7 @@ class SampleConfig(_Model):
     n: Annotated[StrictInt, Field(ge=1, le=10_000_000)]
     """Number of points."""
     seed: Annotated[StrictInt, Field(ge=0)] = 0
-    """Of the sample."""
+    """Seed of the sample."""
     over: Annotated[dict[str, tuple[Quantity, Quantity] | Span], Field(min_length=1)]
     """Interval of each scalar, by its path."""
 
