@@ -265,4 +265,4 @@ PRESETS = {
     "reference": {"tolerance": 0.01, "most_packings": 100},
 }
 """Accuracies by name; their settings and errors are in docs/accuracy.md.  Single packings of the paper's damper differ
-by 8.5 % in mode 1, 11 % at the worst (docs/two_optima.md), which takes 30 packings for 2 % and 120 for 1 %."""
+by 8.5 % in mode 1 (root mean square over Gamma 1.5 to 14, docs/two_optima.md): 18 packings for 2 %, 72 for 1 %."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 REACH = 0.05
 """Part of a frequency within which a damper's complex mass is taken for that at the frequency: a mode of the paper's
-beam moves by 2 % at most as its damper's mass changes with Gamma (docs/frf.md)."""
+beam moves by 3 % at most as its damper's mass changes with Gamma (docs/frf.md)."""
 ROUNDING = 1e-6
 """Part by which a frequency may lie outside: studies are run at modes rounded to a microhertz."""
 
