@@ -225,7 +225,9 @@ def accuracy(
 @app.command()
 def plot(
     file: Annotated[Path, typer.Argument(help="Results of a run.", metavar="FILE.nc")],
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="PNG to write (default: beside FILE).")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Picture to write, .png, .pdf or .svg (default: beside FILE).")
+    ] = None,
 ) -> None:
     """Draw a results file: curves, maps, or scattered cases, as its dimensions ask; or that of coupled runs."""
     with one_line_errors():
