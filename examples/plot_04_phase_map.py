@@ -3,8 +3,7 @@ Map of frequency and Gamma
 ==========================
 
 A damper without a structure over frequency and amplitude, here every second of the frequencies that were run: its
-effectiveness, and the lines of both optima. ``draw`` makes a map where there are two axes. The data
-are of an earlier version of the physics, whose beds were less compact.
+effectiveness, and the lines of both optima. ``draw`` makes a map where there are two axes.
 """
 
 from pathlib import Path

@@ -3,8 +3,7 @@ The optimum over frequency
 ==========================
 
 Where the bed meets floor and lid in turn, the optimum's Gamma rises with the square of the frequency: the same travel,
-the clearance, at every frequency (eq. 1 of the paper, and 1.08 more by gravity, of a plastic block). The data
-are of an earlier version of the physics, whose beds were less compact.
+the clearance, at every frequency (eq. 1 of the paper, and 1.08 more by gravity, of a plastic block).
 """
 
 from pathlib import Path

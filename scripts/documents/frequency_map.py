@@ -87,9 +87,7 @@ def main():
         head("Phase map", __file__) + f" from `{options.config.name}`: {status.size} cases, "
         f"{int(np.sum(status < 20))} of them finished, {int(np.sum(status == 0))} of those steady with the standard "
         f"error asked for; residual of the energy ledger at most {100 * float(small['ledger_residual'].max()):.2g} %; "
-        f"{float(dataset['cpu_time'].sum()) / 3600:.2g} hours of processor time. Data: `frequency_map.nc`, of physics "
-        f"version {warpdamp.PHYSICS_VERSION}; one packing, with the clearance below. Beds of the present version and "
-        "the optimum of collision over frequency: [gamma_c.md](gamma_c.md).",
+        f"{float(dataset['cpu_time'].sum()) / 3600:.2g} hours of processor time. Data: `frequency_map.nc`.",
         "![Effectiveness over frequency and Gamma](frequency_map.png)",
         "![Regimes of motion over frequency and Gamma](frequency_map_regimes.png)",
         "Optima are maxima of a Gaussian process through the points of each frequency, with standard errors from its "
