@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ..config.build import as_list
 from ..config.sweep import Between
 from .axes import FREQUENCY, GAMMA, SEED, Path, dotted, get, tree
 from .reader import Reader
@@ -73,7 +72,8 @@ def _values(cases: Cases, path: Path) -> list:
         if path in axis.paths:
             return [row[axis.paths.index(path)] for row in axis.rows]
     if path == FREQUENCY:
-        return [] if cases.modal else as_list(cases.config.excitation.frequency)
+        frequencies = [] if cases.modal else cases.config.excitation.frequency
+        return frequencies if isinstance(frequencies, list) else [frequencies]
     own = {GAMMA: cases.gammas, SEED: cases.seeds}
     return own[path] if path in own else [get(tree(cases.config), path)]
 
