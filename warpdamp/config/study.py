@@ -85,7 +85,7 @@ class NumericsConfig(Model):
     device: Device = "cpu"
     """Device that simulates; one that this machine lacks is refused."""
     precision: Literal["float64", "float32"] = "float64"
-    """Precision of the motion; the ledger is always of float64."""
+    """Of the motion; the ledger is always of float64."""
     steps_per_contact: Annotated[Number, Field(ge=10)] = 24.0
     """Steps in the shortest contact expected; the step divides the period."""
     step: Literal["auto"] | Annotated[Time, _positive] = "auto"
