@@ -68,8 +68,12 @@ def test_every_public_name_can_be_had():
         _ = warpdamp.nonsense
 
 
-def test_the_command_line_starts_without_the_heavy_libraries():
-    code = "import sys, warpdamp.cli; print([m for m in ('warp', 'xarray', 'skfem', 'matplotlib', 'pint') if m in sys.modules])"
+@pytest.mark.parametrize(
+    "action", ["import warpdamp.cli.app", f"import warpdamp; warpdamp.load({str(ROOT / 'configs' / 'beam.yaml')!r})"]
+)
+def test_the_command_line_starts_and_configurations_are_read_without_the_heavy_libraries(action):
+    heavy = ("numpy", "scipy", "warp", "xarray", "skfem", "matplotlib", "pint")
+    code = f"{action}; import sys; print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from .kernels.columns import EVERY_LOSS
 from .status import Status
 
@@ -140,6 +138,8 @@ INTEGERS = (
 
 def describe(dataset: xr.Dataset) -> xr.Dataset:
     """Give every variable its units and long name, and ``status`` its meanings."""
+    import numpy as np
+
     for name, variable in dataset.data_vars.items():
         units, long_name = VARIABLES[name]
         variable.attrs.update(units=units, long_name=long_name)

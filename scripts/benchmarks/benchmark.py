@@ -107,6 +107,7 @@ METRICS = (
     Metric("machine_gain", "machine_gain", "1", "two processes that share nothing over one of them, on this machine"),
     Metric("help_time", "commands", "s", "`warpdamp --help`", "<=", 0.4),
     Metric("import_time", "commands", "s", "`python -c 'import warpdamp'`", "<=", 0.5),
+    Metric("load_time", "commands", "s", "`warpdamp.load('configs/beam.yaml')` in a fresh process"),
     Metric("warm_start", "warm_start", "s", "from `warpdamp run` to the end of its first batch, warm", "<=", 3.0),
     Metric("kernel_modules", "compilations", "1", "modules of one set of effects"),
     Metric("compilations_per_module", "compilations", "1", "in two runs of two workers, cold cache", "<=", 1.0),

@@ -126,16 +126,10 @@ def write_scene(
         file.writelines(spheres)
 
 
-def run_peer(
-    peer: Peer,
-    scene: Scene,
-    state: State,
-    steps: int,
-    every: int = 1,
-    cycle: int = STEPS_PER_CYCLE,
-    law: str | None = None,
-) -> tuple[float, np.ndarray]:
+def run_peer(peer: Peer, *described, **options) -> tuple[float, np.ndarray]:
     """Processor time of the stepping [s], and the mean power of each whole cycle [W] (empty if not counted).
+
+    What is run is described as for ``write_scene``.
 
     Raises
     ------
@@ -144,7 +138,7 @@ def run_peer(
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write_scene(folder, scene, state, steps, every, cycle, law)
+        write_scene(folder, *described, **options)
         *options, deck = peer.command[1:]
         command, environment = [peer.program, *options, DECKS / deck], os.environ | {"OMP_NUM_THREADS": "1"}
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)

@@ -58,8 +58,12 @@ def _update(node, changes: dict) -> None:
 
 
 def commands(rounds: int = 9) -> dict[str, list[float]]:
-    """Wall time [s] of ``warpdamp --help`` and of ``import warpdamp``."""
-    asked = {"help_time": [*WARPDAMP, "--help"], "import_time": [sys.executable, "-c", "import warpdamp"]}
+    """Wall time [s] of ``warpdamp --help``, of ``import warpdamp``, and of reading configs/beam.yaml."""
+    asked = {
+        "help_time": [*WARPDAMP, "--help"],
+        "import_time": [sys.executable, "-c", "import warpdamp"],
+        "load_time": [sys.executable, "-c", f"import warpdamp; warpdamp.load({str(ROOT / 'configs' / 'beam.yaml')!r})"],
+    }
     return {name: [_seconds(command) for _ in range(rounds)] for name, command in asked.items()}
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from shared import DOCS, head, run_script, table, write_document
+from shared import DOCS, head, mean_and_error, run_script, table, write_document
 
 from warpdamp import Batch, Case, Drive, Grains, Request, prepare
 from warpdamp.analysis.results import write
@@ -62,11 +62,6 @@ def shaken(rest, beds) -> tuple[np.ndarray, np.ndarray]:
     energy = [batch.cycles(k).per_cycle() / maximum_energy(case.scene.drive, mass) for k, case in enumerate(cases)]
     after = [measured_clearance(rest, state) for state, _ in batch.read()]
     return np.reshape(energy, (len(beds), len(GAMMAS), CYCLES)), np.reshape(after, (len(beds), len(GAMMAS)))
-
-
-def mean_and_error(values) -> tuple[float, float]:
-    """Mean of independent values, and its standard error."""
-    return float(np.mean(values)), float(np.std(values, ddof=1) / np.sqrt(len(values)))
 
 
 def window_rows(runs: xr.Dataset):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 from scipy.stats import f_oneway, t
+from shared import mean_and_error
 
 from warpdamp.analysis.optimum import collision_optimum
 from warpdamp.numerics.regression import Line, straight_line
@@ -18,14 +19,6 @@ def interval(values: xr.DataArray) -> xr.DataArray:
     n = values.notnull().sum("seed")
     spread = t.ppf(0.975, np.maximum(n - 1, 1)) * values.std("seed", ddof=1) / np.sqrt(n)
     return spread.where(n > 1)
-
-
-def mean_and_error(values) -> tuple[float, float]:
-    """Mean of what is finite, and its standard error."""
-    known = np.asarray(values, float).ravel()
-    known = known[np.isfinite(known)]
-    error = np.std(known, ddof=1) / np.sqrt(len(known)) if len(known) > 1 else math.nan
-    return float(np.mean(known)), float(error)
 
 
 def clearances(results: xr.Dataset, aspect: float, name: str = "clearance") -> tuple[float, float]:

@@ -13,6 +13,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
 import warpdamp
@@ -94,6 +95,14 @@ def panels(count: int, size: tuple[float, float], **options):
 def processes(workers: int | None = None) -> ProcessPoolExecutor:
     """Fresh processes, one for each core by default: Warp does not promise that its runtime survives a fork."""
     return ProcessPoolExecutor(workers or os.cpu_count(), mp_context=get_context("spawn"))
+
+
+def mean_and_error(values) -> tuple[float, float]:
+    """Mean of what is finite, and its standard error."""
+    known = np.asarray(values, float).ravel()
+    known = known[np.isfinite(known)]
+    error = np.std(known, ddof=1) / np.sqrt(len(known)) if len(known) > 1 else np.nan
+    return float(np.mean(known)), float(error)
 
 
 def progress(*words: str):

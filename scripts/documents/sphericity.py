@@ -22,8 +22,8 @@ from warpdamp.analysis.results import write
 from warpdamp.config.study import Config
 from warpdamp.damper.compaction import packing_fraction
 from warpdamp.modal.damping import damping_of_effectiveness
+from warpdamp.scene.aspect import semi_axes
 from warpdamp.scene.paper import CAVITY, COUNT, RADIUS
-from warpdamp.scene.shape import semi_axes
 from warpdamp.status import Status
 
 RUNS = DOCS / "sphericity.nc"

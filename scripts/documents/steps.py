@@ -12,7 +12,8 @@ from warpdamp import Batch, Case, Grains, Request, prepare
 from warpdamp.engine.checks import residual_share
 from warpdamp.engine.ledger import maximum_energy
 from warpdamp.kernels.columns import KernelStatus
-from warpdamp.numerics.timestep import FEWEST_STEPS_PER_CONTACT, STEPS_PER_CONTACT, steps_per_cycle
+from warpdamp.numerics.limits import FEWEST_STEPS_PER_CONTACT, STEPS_PER_CONTACT
+from warpdamp.numerics.timestep import steps_per_cycle
 from warpdamp.scene import paper
 
 STEPS = (6, 8, 10, 12, 16, 20, 24, 48)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from shared import DOCS, ROOT, head, panels, progress, run_script, table, write_document
+from shared import DOCS, ROOT, head, mean_and_error, panels, progress, run_script, table, write_document
 
 import warpdamp.accessor  # noqa: F401  gives datasets their ``damper``
 from warpdamp import load, run
@@ -92,11 +92,6 @@ def optima(results: xr.Dataset) -> xr.Dataset:
 def paired(curve: xr.DataArray, one: float, other: float) -> tuple[float, float]:
     """Difference of two amplitudes and its standard error, packing by packing."""
     return mean_and_error((curve.sel(gamma=one) - curve.sel(gamma=other)).values)
-
-
-def mean_and_error(values) -> tuple[float, float]:
-    """Mean of independent values, and its standard error."""
-    return float(np.mean(values)), float(np.std(values, ddof=1) / np.sqrt(len(values)))
 
 
 def spread(curves: xr.DataArray) -> xr.DataArray:

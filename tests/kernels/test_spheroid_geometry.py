@@ -15,7 +15,7 @@ from warpdamp.kernels.options import UNIQUE
 from warpdamp.kernels.shape import shape
 from warpdamp.kernels.structs import FLOOR, LID, SIDE, types
 from warpdamp.kernels.tops import tops
-from warpdamp.scene.shape import LEAST_ASPECT, MOST_ASPECT
+from warpdamp.scene.aspect import LEAST_ASPECT, MOST_ASPECT
 from warpdamp.scene.touch import pair_overlaps
 
 effects = Effects(spheroids=True, sizes=True)

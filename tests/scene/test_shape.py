@@ -5,18 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from warpdamp.scene.particles import ContactHistory, Grains, State, inverse_sphere_inertia, sphere_volume
-from warpdamp.scene.shape import (
+from warpdamp.scene.aspect import (
     allowed_aspects,
-    aspects,
-    bounding_radius,
     flattest_radius,
-    inscribed_radius,
     semi_axes,
     spheroid_inertia,
     too_flat_or_long,
     two_ends_at_the_side,
 )
+from warpdamp.scene.particles import ContactHistory, Grains, State
+from warpdamp.scene.shape import SPHEROIDS, aspects
+from warpdamp.scene.sphere import inverse_sphere_inertia, sphere_volume
 
 ASPECTS = np.array([0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.5, 4.0])
 
@@ -81,8 +80,8 @@ def test_bounds():
     state = State.at_rest([[0, 0, 1]] * 3, 1.0, aspect=[0.5, 1.0, 2.0])
     a, b = state.semi_axes
     assert np.array_equal(state.bounding_radius, [b[0], 1.0, a[2]])
-    assert np.array_equal(bounding_radius(1.0, [0.5, 2.0]), [b[0], a[2]])
-    assert np.array_equal(inscribed_radius(1.0, [0.5, 2.0]), [a[0], b[2]])
+    assert np.array_equal(SPHEROIDS.bounding_radius(1.0, [0.5, 2.0]), [b[0], a[2]])
+    assert np.array_equal(SPHEROIDS.inscribed_radius(1.0, [0.5, 2.0]), [a[0], b[2]])
 
 
 def test_an_axis_that_is_no_unit_vector_is_refused():

@@ -6,15 +6,10 @@ import numpy as np
 import pytest
 
 from warpdamp import Cylinder, State
-from warpdamp.scene.touch import (
-    Spheroids,
-    common_normal,
-    dot,
-    farthest_from_axis,
-    pair_overlaps,
-    spheroids_of,
-    wall_overlaps,
-)
+from warpdamp.scene.shape import bodies_of
+from warpdamp.scene.spheres import Spheres
+from warpdamp.scene.spheroids import Spheroids, dot
+from warpdamp.scene.touch import pair_overlaps, wall_overlaps
 
 
 def unit(rng, n):
@@ -33,7 +28,7 @@ def random_pairs(rng, n):
 def test_no_direction_has_a_larger_gap_than_the_common_normal():
     rng = np.random.default_rng(1)
     apart, one, other = random_pairs(rng, 300)
-    normal, gap = common_normal(apart, one, other)
+    normal, gap = one.common_normal(apart, other)
     assert np.allclose(np.linalg.norm(normal, axis=1), 1, atol=1e-14)
     for direction in unit(rng, 2000):
         n = np.tile(direction, (len(gap), 1))
@@ -43,23 +38,23 @@ def test_no_direction_has_a_larger_gap_than_the_common_normal():
 def test_surface_points_lie_on_one_line_along_the_normal():
     """x_i - s_i and x_j + s_j are the gap apart, along n."""
     apart, one, other = random_pairs(np.random.default_rng(2), 300)
-    normal, gap = common_normal(apart, one, other)
+    normal, gap = one.common_normal(apart, other)
     between = apart - one.point(normal) - other.point(normal)
     assert np.allclose(between, gap[:, None] * normal, atol=1e-10)
 
 
 def test_exchange_and_opposite_axes():
     apart, one, other = random_pairs(np.random.default_rng(3), 300)
-    normal, gap = common_normal(apart, one, other)
-    back, same = common_normal(-apart, other, Spheroids(-one.axis, one.along, one.across))
+    normal, gap = one.common_normal(apart, other)
+    back, same = other.common_normal(-apart, Spheroids(-one.axis, one.along, one.across))
     assert np.allclose(back, -normal, atol=1e-10)
     assert np.allclose(same, gap, atol=1e-12)
 
 
 def test_a_pair_that_is_apart_is_known_by_any_normal():
     apart, one, other = random_pairs(np.random.default_rng(4), 300)
-    _, gap = common_normal(apart, one, other)
-    _, some = common_normal(apart, one, other, to_the_end=False)
+    _, gap = one.common_normal(apart, other)
+    _, some = one.common_normal(apart, other, to_the_end=False)
     assert np.array_equal(some > 0, gap > 0)
     assert np.allclose(some[gap < 0], gap[gap < 0], atol=1e-12)
 
@@ -82,7 +77,7 @@ def test_the_farthest_point_from_the_axis(axis, reach):
     """Upright and radial axes: x + b, x + a.  Tangential: of the ellipse (x + b cos t, a sin t) by brute force."""
     state = State.at_rest([[3.0, 0, 0]], 1.0, aspect=2.0, axis=axis)
     a, b = (float(value[0]) for value in state.semi_axes)
-    distance, outward = farthest_from_axis(state.position, spheroids_of(state))
+    distance, outward = bodies_of(state).farthest_from_axis(state.position)
     if reach:
         assert distance[0] == pytest.approx(3 + {"a": a, "b": b}[reach], rel=1e-12)
         assert outward[0] == pytest.approx([1, 0, 0], abs=1e-12)
@@ -99,3 +94,19 @@ def test_overlaps_with_walls():
     assert overlaps.keys() == {"side", "floor"}
     assert overlaps["floor"] == pytest.approx([a - 1, height - 5])
     assert overlaps["side"] == pytest.approx([b - 2, math.sqrt(0.36 * a**2 + 0.64 * b**2) - 2])
+
+
+def test_spheres_are_bodies_like_spheroids_of_aspect_one():
+    rng = np.random.default_rng(5)
+    position, axis, radius = rng.uniform(-2, 2, (40, 3)), unit(rng, 40), rng.uniform(0.2, 1.0, 40)
+    spheres, spheroids = (bodies(axis, radius, radius) for bodies in (Spheres, Spheroids))
+    directions, others = unit(rng, 40), np.roll(np.arange(40), 1)
+    assert np.allclose(spheres.height(directions), spheroids.height(directions), rtol=1e-14)
+    assert np.allclose(spheres.point(directions), spheroids.point(directions), rtol=1e-14)
+    apart = position - position[others]
+    ours, theirs = (one.common_normal(apart, one[others]) for one in (spheres, spheroids))
+    assert np.allclose(ours[0], theirs[0], atol=1e-12)
+    assert np.allclose(ours[1], theirs[1], atol=1e-12)
+    ours, theirs = (one.farthest_from_axis(position) for one in (spheres, spheroids))
+    assert np.allclose(ours[0], theirs[0], atol=1e-12)
+    assert np.allclose(ours[1], theirs[1], atol=1e-12)

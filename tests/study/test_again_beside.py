@@ -3,30 +3,14 @@
 import numpy as np
 import pytest
 
+from two_dampers import GIVEN
 from warpdamp import run
 from warpdamp.analysis.results import write as write_results
 from warpdamp.errors import UsageError
 from warpdamp.study.again_beside import again_all
 from warpdamp.sweep.choice import Choice
 
-STUDY = """
-structure:
-  modes_given: [{frequency: 40 Hz, modal_mass: 500 g, damping: 1 %}, {frequency: 90 Hz, modal_mass: 800 g}]
-  particles_included: true
-damper:
-  enclosure: {diameter: 24 mm, height: 20 mm, material: pmma}
-  particles: {count: 8, radius: 3.73 mm, material: pmma}
-dampers:
-  - enclosure: {diameter: 24 mm, height: 20 mm, material: pmma}
-    particles: {count: 8, radius: 3.73 mm, material: pmma}
-    amplitude: [-1.4142135623730951 kg^-0.5, 0]
-materials:
-  pmma: {density: 920 kg/m^3, youngs_modulus: 33 MPa, poissons_ratio: 0.37}
-contact: {restitution: 0.52, friction: 0.5}
-excitation: {gamma: [2, 4]}
-preparation: loose
-steady_state: {fewest_cycles: 8, most_cycles: 8}
-"""
+STUDY = GIVEN.replace("PHI", "-1.4142135623730951")
 
 
 @pytest.fixture(scope="module")

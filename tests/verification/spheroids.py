@@ -12,7 +12,7 @@ from warpdamp.damper.placement import place
 from warpdamp.scene.contact import contact_constants, contact_time
 from warpdamp.scene.paper import damper
 from warpdamp.scene.particles import Grains
-from warpdamp.scene.touch import common_normal, farthest_from_axis, spheroids_of
+from warpdamp.scene.shape import bodies_of
 
 SPHEROIDS = Effects(spheroids=True)
 """One set of effects for all cases: an effect at zero does nothing."""
@@ -32,8 +32,8 @@ def unit_vectors(rng, n):
 
 def nearest(state):
     """Common normal and gap of two particles."""
-    both = spheroids_of(state)
-    normal, gap = common_normal(state.position[:1] - state.position[1:], both[ONE], both[OTHER])
+    both = bodies_of(state)
+    normal, gap = both[ONE].common_normal(state.position[:1] - state.position[1:], both[OTHER])
     return normal[0], gap[0]
 
 
@@ -62,12 +62,12 @@ def about_to_hit(wall, cavity, aspect, seed, *, spin=100.0, speed=0.5, gap=1e-6)
     state = State.at_rest([[0, 0, cavity.height / 2]], RADIUS, aspect=aspect, axis=unit_vectors(rng, 1))
     normal = np.array([0.0, 0, 1])
     if wall == "floor":
-        state.position[0, 2] = spheroids_of(state).height(normal[None])[0] + gap
+        state.position[0, 2] = bodies_of(state).height(normal[None])[0] + gap
     else:
         low, high = 0.0, cavity.diameter / 2
         for _ in range(60):
             state.position[0, 0] = (low + high) / 2
-            distance, outward = farthest_from_axis(state.position, spheroids_of(state))
+            distance, outward = bodies_of(state).farthest_from_axis(state.position)
             inside = distance[0] < cavity.diameter / 2 - gap
             low, high = (state.position[0, 0], high) if inside else (low, state.position[0, 0])
         normal = -outward[0]
@@ -85,7 +85,7 @@ def rebound(state, masses, normal, restitution):
     transverse = masses * (a**2 + b**2) / 5
     signs = np.array([1.0, -1.0])[: len(state)]
     normals = signs[:, None] * normal  # each pushed along its own
-    lever = -np.cross(spheroids_of(state).point(normals), normals)
+    lever = -np.cross(bodies_of(state).point(normals), normals)
     approach = -np.sum(normals * state.velocity) - np.sum(lever * state.spin)
     effective = 1 / np.sum(1 / masses + np.sum(lever**2, axis=1) / transverse)
     impulse = (1 + restitution) * effective * approach

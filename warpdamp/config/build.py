@@ -12,17 +12,12 @@ from .preparation import carried_path, preparation_word, state_asked
 from .study import Config
 
 
-def as_list(value) -> list:
-    """List of a swept scalar's values, whether one or a list is given."""
-    return list(value) if isinstance(value, list) else [value]
-
-
 def grains(config: Config) -> Grains:
     """Radius, species and aspect of every particle of a configuration."""
     mixture, names = config.damper.mixture, _species(config)
     aspects = tuple(part.shape.aspect for part in mixture for _ in range(part.count))
     return Grains(
-        tuple(float(r) for part in mixture for r in part.radii()),
+        tuple(radius for part in mixture for radius in part.radii()),
         tuple(names.index(part.material) for part in mixture for _ in range(part.count)),
         aspects if config.damper.spheroids else (),
     )

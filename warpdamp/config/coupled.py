@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field, StrictInt, WithJsonSchema, model_validator
 
-from ..scene.scene import STANDARD_GRAVITY
+from ..scene.gravity import STANDARD_GRAVITY
 from .base import POSITIVE, Model
 from .messages import suggestion
 from .quantities import Frequency, Number, Time, quantity, to_si

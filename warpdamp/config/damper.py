@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import BeforeValidator, Field, StrictInt, create_model, field_validator, model_validator
 
 from ..scene.effects import FORCIBLE
-from ..scene.particles import sphere_volume
-from ..scene.shape import bounding_radius, refused_shape
+from ..scene.sphere import sphere_volume
 from .base import NOT_NEGATIVE as _not_negative
 from .base import POSITIVE as _positive
 from .base import Model
@@ -146,18 +145,21 @@ class SizesConfig(Model):
             raise ValueError("normal.deviation: is more than a quarter of the mean, so that radii might be negative")
         return self
 
-    def radii(self, count: int) -> np.ndarray:
-        """Radii of ``count`` particles, (count,) [m]."""
+    def radii(self, count: int) -> list[float]:
+        """Radii of ``count`` particles [m]."""
+        if self.each:
+            return list(self.each)
+        import numpy as np
         from scipy.special import ndtri
 
         part = (np.arange(count) + 0.5) / count
         if self.uniform:
-            return self.uniform[0] + (self.uniform[1] - self.uniform[0]) * part
-        if self.normal:
-            return self.normal.mean + self.normal.deviation * ndtri(part)
-        if self.lognormal:
-            return self.lognormal.median * np.exp(self.lognormal.deviation * ndtri(part))
-        return np.array(self.each)
+            radii = self.uniform[0] + (self.uniform[1] - self.uniform[0]) * part
+        elif self.normal:
+            radii = self.normal.mean + self.normal.deviation * ndtri(part)
+        else:
+            radii = self.lognormal.median * np.exp(self.lognormal.deviation * ndtri(part))
+        return radii.tolist()
 
 
 class ShapeConfig(Model):
@@ -194,11 +196,13 @@ class ParticlesConfig(Model):
             raise ValueError(f"radius.each: {len(each)} radii for {self.count} particles")
         return self
 
-    def radii(self) -> np.ndarray:
-        """Radii of the particles, (count,) [m]."""
-        return (
-            self.radius.radii(self.count) if isinstance(self.radius, SizesConfig) else np.full(self.count, self.radius)
-        )
+    def radii(self) -> list[float]:
+        """Radii of the particles [m]."""
+        return self.radius.radii(self.count) if isinstance(self.radius, SizesConfig) else [self.radius] * self.count
+
+    def sizes(self) -> Counter[float]:
+        """Number of particles of each radius [m]."""
+        return Counter(self.radii()) if isinstance(self.radius, SizesConfig) else Counter({self.radius: self.count})
 
 
 class DamperConfig(Model):
@@ -224,16 +228,16 @@ class DamperConfig(Model):
 
     @model_validator(mode="after")
     def _fits(self):
-        radii = np.concatenate([part.radii() for part in self.mixture])
+        sizes = self.sizes
         self._check_shapes()
         size = f"{1e3 * self.enclosure.diameter:g} x {1e3 * self.enclosure.height:g} mm"
-        if 2 * radii.max() >= min(self.enclosure.diameter, self.enclosure.height):
+        if 2 * max(sizes) >= min(self.enclosure.diameter, self.enclosure.height):
             raise ValueError(
-                f"particles.radius: particles of diameter {2e3 * radii.max():g} mm do not fit the cavity ({size})"
+                f"particles.radius: particles of diameter {2e3 * max(sizes):g} mm do not fit the cavity ({size})"
             )
         fill, densest = self.fill, self.densest
         if fill > densest:
-            most = math.floor(densest / fill * len(radii))
+            most = math.floor(densest / fill * sizes.total())
             raise ValueError(
                 f"particles.count: too many particles: they would fill {fill:.3f} of the cavity, and not "
                 f"even {'a crystal fills' if densest < 1 else 'sizes and shapes fill'} more than {densest:.3f}; "
@@ -242,20 +246,29 @@ class DamperConfig(Model):
         return self
 
     @property
+    def sizes(self) -> Counter[float]:
+        """Number of particles of each radius [m]."""
+        return sum((part.sizes() for part in self.mixture), Counter())
+
+    @property
     def spheroids(self) -> bool:
         """Whether any particle is not a sphere."""
         return any(part.shape.aspect != 1 for part in self.mixture)
 
     def _check_shapes(self):
         """Spheroids fit the cavity at full length, and touch its side in one place at the most."""
+        if not self.spheroids:
+            return
+        from ..scene.shape import SPHEROIDS
+
         for k, part in enumerate(self.mixture):
             radii, aspect, cavity = part.radii(), part.shape.aspect, self.enclosure
             if aspect == 1:
                 continue
             place = f"particles.{k}.shape.aspect" if isinstance(self.particles, list) else "particles.shape.aspect"
-            if refusal := refused_shape(radii, aspect, cavity.diameter / 2):
+            if refusal := SPHEROIDS.refused(radii, aspect, cavity.diameter / 2):
                 raise ValueError(f"{place}: {refusal}")
-            longest = 2 * float(bounding_radius(radii, aspect).max())
+            longest = 2 * float(SPHEROIDS.bounding_radius(radii, aspect).max())
             if longest >= min(cavity.diameter, cavity.height):
                 raise ValueError(
                     f"{place}: particles {1e3 * longest:.3g} mm across do not fit the cavity "
@@ -265,14 +278,13 @@ class DamperConfig(Model):
     @property
     def fill(self) -> float:
         """Volume of the particles over that of the cavity [-]."""
-        volume = sum(float(np.sum(sphere_volume(part.radii()))) for part in self.mixture)
+        volume = sum(number * sphere_volume(radius) for radius, number in self.sizes.items())
         return volume / (math.pi / 4 * self.enclosure.diameter**2 * self.enclosure.height)
 
     @property
     def densest(self) -> float:
         """Packing fraction that no bed exceeds [-]: a crystal's of equal spheres, all space of other particles."""
-        radii = np.concatenate([part.radii() for part in self.mixture])
-        return 0.74 if radii.min() == radii.max() and not self.spheroids else 1.0
+        return 0.74 if len(self.sizes) == 1 and not self.spheroids else 1.0
 
 
 def _unit(vector) -> tuple[float, float, float]:

@@ -15,7 +15,7 @@ from pydantic import (
 )
 
 from ..errors import ConfigError, printable
-from ..numerics.tolerance import FEWEST_PACKINGS
+from ..numerics.limits import FEWEST_PACKINGS, FEWEST_STEPS_PER_CONTACT, STEPS_PER_CONTACT
 from ..scene.effects import Device
 from ..scene.materials import LIBRARY
 from .base import POSITIVE as _positive
@@ -86,7 +86,7 @@ class NumericsConfig(Model):
     """Device that simulates; one that this machine lacks is refused."""
     precision: Literal["float64", "float32"] = "float64"
     """Of the motion; the ledger is always of float64."""
-    steps_per_contact: Annotated[Number, Field(ge=10)] = 24.0
+    steps_per_contact: Annotated[Number, Field(ge=FEWEST_STEPS_PER_CONTACT)] = float(STEPS_PER_CONTACT)
     """Steps in the shortest contact expected; the step divides the period."""
     step: Literal["auto"] | Annotated[Time, _positive] = "auto"
     """Length of a step; ``auto``: from ``steps_per_contact``."""

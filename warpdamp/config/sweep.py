@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -60,6 +59,8 @@ class Range(_Model):
         ValueError
             If the ends are no numbers, equal, or, for a logarithmic range, not positive.
         """
+        import numpy as np
+
         first, last = map(read, self.ends)
         if self.log is not None:
             return spread(first, last, np.linspace(0, 1, self.n), logarithmic=True)
@@ -80,6 +81,11 @@ def swept(kind, *constraints):
     return Annotated[scalar_or_list, BeforeValidator(spread, json_schema_input_type=scalar_or_list | Range)]
 
 
+def as_list(value) -> list:
+    """List of a swept scalar's values, whether one or a list is given."""
+    return list(value) if isinstance(value, list) else [value]
+
+
 def spread(first, last, part, *, logarithmic: bool) -> list:
     """Values at ``part`` (0 to 1) of the way between two ends; whole numbers where both ends are.
 
@@ -91,6 +97,8 @@ def spread(first, last, part, *, logarithmic: bool) -> list:
     _check_ends(first, last)
     if logarithmic and min(first, last) <= 0:
         raise ValueError("the ends of a logarithmic range must be positive")
+    import numpy as np
+
     part = np.asarray(part)
     values = first * (last / first) ** part if logarithmic else first + (last - first) * part
     return _alike(np.where(part == 0, first, np.where(part == 1, last, values)), first, last)

@@ -9,7 +9,8 @@ from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 from ..errors import PackingError
-from ..numerics.timestep import STEPS_PER_CONTACT, Numerics
+from ..numerics.limits import STEPS_PER_CONTACT
+from ..numerics.timestep import Numerics
 from ..scene.effects import Effects, called_for
 from ..scene.particles import Grains, State
 from ..scene.scene import Scene
@@ -109,8 +110,7 @@ class Request:
     def key(self) -> str:
         """Hash of the inputs, the recipe, and the version of the physics."""
         values = asdict(self) | {"scene": asdict(self.scene.driven(None)), "physics": PHYSICS_VERSION, "recipe": RECIPE}
-        if not self.grains.aspect:  # beds of spheres keep the keys that they had before there were spheroids
-            del values["grains"]["aspect"]
+        values["grains"] = self.grains.given()  # beds of spheres keep the keys that they had before other shapes
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:24]
 
 

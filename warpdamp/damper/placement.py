@@ -9,17 +9,18 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..errors import PackingError
-from ..scene.particles import UPRIGHT, Grains, sphere_volume
+from ..scene.particles import UPRIGHT, Grains
 from ..scene.scene import Cylinder
-from ..scene.shape import aspects, bounding_radius, refused_shape
+from ..scene.shape import SPHERES, aspects, shape_of
+from ..scene.sphere import sphere_volume
 from .case import GROWN
 from .fire import minimised
-from .spheroids import FEW, MOST, random_start, turned_apart
+from .turning import FEW, MOST, random_start, turned_apart
 
 
 def fill(radius, enclosure: Cylinder) -> float:
     """Fill of the cavity: volume of the particles over the cavity's [-]."""
-    return float(np.sum(sphere_volume(radius))) / enclosure.volume
+    return float(np.sum(sphere_volume(np.asarray(radius)))) / enclosure.volume
 
 
 def separate(radius, enclosure: Cylinder, seed: int) -> np.ndarray:
@@ -50,26 +51,26 @@ def separate(radius, enclosure: Cylinder, seed: int) -> np.ndarray:
 def place(grains: Grains, enclosure: Cylinder, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m] and axes of particles in the closed cavity, random and without any overlap, two of (n, 3).
 
-    Spheroids start at random points with random axes, and are pushed apart and turned in the same way as spheres.
+    Other shapes than spheres start at random points with random axes, and are pushed apart as those are, and turned.
 
     Raises
     ------
     PackingError
-        As ``separate``; also if a spheroid might touch the side at both ends at once, or is too flat or too long.
+        As ``separate``; also if contacts of such a shape would be missed.
     """
-    radius, aspect = np.asarray(grains.radius, float), aspects(grains)
-    if np.all(aspect == 1):
+    shape, radius, aspect = shape_of(grains), np.asarray(grains.radius, float), aspects(grains)
+    if shape is SPHERES:
         return separate(radius, enclosure, seed), np.tile(UPRIGHT, (len(radius), 1))
-    _check_fit(bounding_radius(radius, aspect), enclosure)
-    if refusal := refused_shape(radius, aspect, enclosure.diameter / 2):
+    _check_fit(shape.bounding_radius(radius, aspect), enclosure)
+    if refusal := shape.refused(radius, aspect, enclosure.diameter / 2):
         raise PackingError(refusal)
-    start = random_start(radius, aspect, enclosure, seed)
-    position, axis, fits = turned_apart(*start, GROWN * radius, aspect, enclosure, most=MOST)
+    start = random_start(shape, radius, aspect, enclosure, seed)
+    position, axis, fits = turned_apart(shape, *start, GROWN * radius, aspect, enclosure, most=MOST)
     if fits:
         return position, axis
 
     def fits_at(scale: float) -> bool:
-        return turned_apart(*start, scale * GROWN * radius, aspect, enclosure, most=FEW)[2]
+        return turned_apart(shape, *start, scale * GROWN * radius, aspect, enclosure, most=FEW)[2]
 
     raise _too_many(radius, enclosure, fits_at)
 

@@ -26,7 +26,6 @@ from ..files import cache_folder, keep, locked
 from ..scene.effects import Effects
 from ..scene.particles import State
 from ..scene.scene import Drive, Scene
-from ..scene.shape import aspects
 from .asked import brought
 from .case import Packing, Request
 from .compaction import compact, frictionless, measured_clearance, upright_scenes
@@ -97,7 +96,7 @@ def _make(request: Request) -> Packing:
     _check_walls(scene)
     grains = request.grains
     position, axis = place(grains, scene.enclosure, request.seed)
-    state = State.at_rest(position, grains.radius, grains.species, aspect=aspects(grains), axis=axis)
+    state = State.of(grains, position, axis)
     if request.preparation == "compacted":
         if not any(scene.gravity):
             raise PackingError("a bed cannot be compacted without gravity: ask for preparation: loose", "preparation")

@@ -16,7 +16,7 @@ from ..engine.ledger import Ledger, maximum_energy
 from ..engine.probe import Probe, Touching
 from ..errors import SimulationError
 from ..kernels.columns import KernelStatus
-from ..numerics.timestep import STEPS_PER_CONTACT
+from ..numerics.limits import STEPS_PER_CONTACT
 from ..scene.particles import State
 from ..scene.scene import Scene
 from .case import Spec

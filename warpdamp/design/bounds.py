@@ -39,7 +39,6 @@ class Bounds:
     gamma : (m, 2) range of Gamma at the damper in each mode
     frequency : (m,) of the target's modes with the least mass [Hz]
     clearance : (m, 2) at which the collision optimum lies at the lower and the upper end of the range [m] (eq. 1)
-    available : (2,) clearances that the variables allow [m] (eq. 2)
     motion : fluidisation or collision
     why : sentence
     """
@@ -48,7 +47,6 @@ class Bounds:
     gamma: np.ndarray
     frequency: np.ndarray
     clearance: np.ndarray
-    available: tuple[float, float]
     motion: str
     why: str
 
@@ -149,7 +147,7 @@ def find_bounds(problem: Problem, designs: list[Design]) -> Bounds:
     free = [d.clearance(d.packing) for d in designs]
     available = max(min(free), NARROW * 2 * min(d.radius for d in designs)), max(free)
     motion, why = _motion(problem, gamma, frequency, clearance, available)
-    return Bounds(needed[best], gamma, frequency, clearance, available, motion, why)
+    return Bounds(needed[best], gamma, frequency, clearance, motion, why)
 
 
 def _refuse_impossible(problem: Problem, designs: list[Design], needed: float) -> None:

@@ -17,7 +17,7 @@ from ..errors import ConfigError
 from ..modal.from_config import modes as structure_modes
 from ..modes import Modes
 from ..scene.materials import LIBRARY
-from ..scene.particles import sphere_volume
+from ..scene.sphere import sphere_volume
 from ..sweep.axes import Path, dotted, leaves, put, tree, tree_copy
 from ..sweep.cases import Cases
 from ..sweep.reader import Reader

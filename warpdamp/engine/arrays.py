@@ -122,7 +122,8 @@ class Transfer:
         if "wall" in self.types.Contacts.vars:
             walls = contacts.wall.numpy()[WALLS * first : WALLS * last].reshape(last - first, WALLS)
             wall_history = _recalled(walls, back)
-        return State(
+        return replace(
+            before,
             position=of_particles("position", before.position),
             velocity=of_particles("half_velocity", before.velocity),
             spin=of_particles("half_spin", before.spin),
@@ -137,7 +138,7 @@ class Transfer:
     def _touching(self, k: int, particles, contacts) -> dict:
         """The pairs of case ``k`` that touch, and what they remember."""
         if "pair" not in self.types.Contacts.vars:
-            return {}
+            return {"pairs": np.zeros((0, 2), np.int32), "pair_history": None}
         first, last = self.first[k], self.first[k + 1]
         start = contacts.start.numpy()[first : last + 1]
         memory = contacts.pair.numpy()

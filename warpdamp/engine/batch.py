@@ -18,8 +18,9 @@ from ..kernels.structs import PER_PAIR, SCRATCH, types
 from ..numerics.timestep import check_step
 from ..scene.contact import contact_constants
 from ..scene.effects import Effects, called_for, covering
-from ..scene.particles import State, inverse_sphere_inertia
+from ..scene.particles import State
 from ..scene.scene import Scene
+from ..scene.sphere import inverse_sphere_inertia
 from . import checks as guards
 from .arrays import Transfer
 from .device import check_device

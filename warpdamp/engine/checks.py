@@ -10,7 +10,7 @@ from ..errors import SimulationError
 from ..scene.effects import WALLS, Effects
 from ..scene.particles import State
 from ..scene.scene import Scene
-from ..scene.shape import inscribed_radius, refused_shape
+from ..scene.shape import shape_of
 from ..scene.touch import pair_overlaps, wall_overlaps
 from .ledger import Ledger
 
@@ -65,7 +65,7 @@ def check_shapes(scene: Scene, state: State) -> None:
         Names the aspects that are allowed.
     """
     side = scene.enclosure.diameter / 2 if scene.enclosure and scene.enclosure.side else None
-    if refusal := refused_shape(state.radius, state.aspect, side):
+    if refusal := shape_of(state).refused(state.radius, state.aspect, side):
         raise ValueError(refusal)
 
 
@@ -82,7 +82,7 @@ def check_overlaps(scene: Scene, state: State, parts: Iterable[np.ndarray]) -> N
     ValueError
         If a pair, or a particle and a wall, overlap by more than ``DEEPEST_START``; says which, and what to do.
     """
-    smallest = inscribed_radius(state.radius, state.aspect)
+    smallest = shape_of(state).inscribed_radius(state.radius, state.aspect)
     deepest, where = 0.0, ""
     for pairs in parts:
         if not len(pairs):

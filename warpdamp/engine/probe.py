@@ -74,7 +74,7 @@ class Probe:
 
     def _copied(self, contacts):
         """The contacts, with histories of their own where looking would write to them."""
-        if not self._batch.effects.spheroids:
+        if "normal" not in self._batch._types.History.vars:
             return contacts
         copy = self._batch._types.Contacts()
         for name in self._batch._types.Contacts.vars:

@@ -126,22 +126,18 @@ def agreed(said) -> Ordinate | None:
 
 
 def newtons(unit: str) -> float:
-    """Factor that turns a unit of force into newtons.
-
-    Raises
-    ------
-    ValueError
-        If it is a unit of something else, or none.
-    """
-    if unit.lower() not in NEWTON or unit in AMBIGUOUS:
-        raise ValueError(f"{unit!r} is no unit of force: write N or lbf")
-    return float(_quantity(unit).magnitude)
+    """Factor that turns a unit of force into newtons; a ValueError if it is none."""
+    return _one_of(unit, NEWTON, "force: write N or lbf")
 
 
 def seconds(unit: str) -> float:
     """Factor that turns a unit of time into seconds; a ValueError if it is none."""
-    if unit.lower() not in TIME or unit in AMBIGUOUS:
-        raise ValueError(f"{unit!r} is no unit of time: write s or ms")
+    return _one_of(unit, TIME, "time: write s or ms")
+
+
+def _one_of(unit: str, units: dict[str, str], wanted: str) -> float:
+    if unit.lower() not in units or unit in AMBIGUOUS:
+        raise ValueError(f"{unit!r} is no unit of {wanted}")
     return float(_quantity(unit).magnitude)
 
 

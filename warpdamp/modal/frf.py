@@ -89,24 +89,8 @@ class ModalModel:
         damping = np.broadcast_to(np.asarray(damping_ratio, float), modes.frequency.shape)
         return cls(modes.frequency, modes.amplitude, damping, particle_mass)
 
-    def receptance(self, frequency) -> np.ndarray:
-        """Receptance H = sum phi^2 / (w_r^2 (1 + j eta) - w^2) [m/N].
-
-        Parameters
-        ----------
-        frequency : (...) array
-            [Hz].
-
-        Returns
-        -------
-        (...) complex array
-            [m/N].
-        """
-        found, at_pole = self._receptance(frequency)
-        return np.where(at_pole, complex(np.inf), found)
-
     def _receptance(self, frequency) -> tuple[np.ndarray, np.ndarray]:
-        """H, and where it is infinite: at the natural frequency of a mode without damping."""
+        """H = sum phi^2 / (w_r^2 (1 + j eta) - w^2) [m/N], and where it is infinite: at modes without damping."""
         w = 2 * np.pi * np.asarray(frequency, float)[..., None]
         denominator = self._stiffness - w**2
         pole = denominator == 0

@@ -20,14 +20,12 @@ class Maximum:
     ----------
     gamma, gamma_standard_error : where, from draws of the fit's posterior
     height, height_standard_error : of the curve there
-    certainty : part of the draws that have a maximum here
     """
 
     gamma: float
     gamma_standard_error: float
     height: float
     height_standard_error: float
-    certainty: float
 
 
 def maxima(gamma, height, standard_error) -> list[Maximum]:
@@ -54,30 +52,10 @@ def maxima(gamma, height, standard_error) -> list[Maximum]:
     return _maxima(fine**2, mean, spread, draws)
 
 
-def maxima_of_packings(gamma, height, standard_error) -> list[Maximum]:
-    """Maxima of a curve measured on several packings, with errors that hold for other packings, too.
-
-    Every packing has an optimum of its own, so points of one curve do not err independently.  Each packing is left out
-    in turn (the jackknife: Efron & Stein 1981, doi:10.1214/aos/1176345462); where that scatters more than the fit's
-    posterior says, it is the standard error, widened for few packings as Student's t is.
-
-    Parameters
-    ----------
-    gamma : (n,) array
-        Amplitudes.
-    height, standard_error : (n, packings) arrays
-        Curves, NaN where a packing was not run, and what each point is known to.
-
-    Returns
-    -------
-    list of Maximum
-        Of one packing those of ``maxima``.
-    """
-    return [widened(top, without) for top, without in packings_left_out(gamma, height, standard_error)]
-
-
 def packings_left_out(gamma, height, standard_error) -> list[tuple[Maximum, list[Maximum | None]]]:
     """Maxima of a curve measured on several packings, each with the same one of the curves without one packing.
+
+    Every packing has an optimum of its own, so points of one curve do not err independently: see ``widened``.
 
     Parameters
     ----------
@@ -118,7 +96,11 @@ def _same(top: Maximum, tops: list[Maximum], others: list[Maximum]) -> Maximum |
 
 
 def widened(top: Maximum, without: list[Maximum | None]) -> Maximum:
-    """A maximum with the jackknife's standard errors where they are larger."""
+    """A maximum with errors that hold for other packings, too.
+
+    Each packing was left out in turn (the jackknife: Efron & Stein 1981, doi:10.1214/aos/1176345462); where that
+    scatters more than the fit's posterior says, it is the standard error, widened for few packings as Student's t is.
+    """
     from scipy.stats import norm, t
 
     found = [other for other in without if other is not None]
@@ -182,7 +164,7 @@ def _maxima(gamma, mean, spread, draws) -> list[Maximum]:
         step = gamma[min(k + 1, len(gamma) - 1)] - gamma[k]  # the fine grid's own uncertainty
         error = math.hypot(float(np.std(where)), step / math.sqrt(12))
         top, height = _vertex(np.sqrt(gamma[k - 1 : k + 2]), mean[k - 1 : k + 2])
-        result.append(Maximum(top**2, error, height, float(np.std(heights)), float(inside.mean())))
+        result.append(Maximum(top**2, error, height, float(np.std(heights))))
     return result
 
 

@@ -9,22 +9,15 @@ import numpy as np
 
 from ..scene.contact import impact_time, strongest_dashpot
 from ..scene.effects import Device, Effects, Precision, called_for
-from ..scene.particles import State, sphere_volume
+from ..scene.particles import State
 from ..scene.scene import Scene
-from ..scene.shape import aspects, shortest_contact_share
-
-STEPS_PER_CONTACT = 24
-"""Usual steps to the shortest contact: a bed's ledger then closes to half a percent (docs/acceptance.md)."""
-
-FEWEST_STEPS_PER_CONTACT = 10
-"""Fewest steps to a contact: below, it is not resolved and a forced step is refused."""
+from ..scene.shape import aspects, shape_of
+from ..scene.sphere import sphere_volume
+from .limits import FEWEST_STEPS_PER_CONTACT, FEWEST_STEPS_PER_CYCLE, STEPS_PER_CONTACT
 
 STEPS_PER_DASHPOT = 45
 """Dashpots of strength b (see ``scene.contact.dashpot``) take this times b steps a contact: they act on predicted
 velocities, and with fewer a bed of restitution 0.2 and below gains energy from them."""
-
-FEWEST_STEPS_PER_CYCLE = 50
-"""Fewest steps to a cycle, so that the drive's motion is followed to 0.1 %."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +62,7 @@ def expected_speed(scene: Scene, radius) -> float:
     driven = 2 * scene.drive.speed if scene.drive else 2 * scene.host.speed if scene.host else 0.0
     if scene.enclosure is None:
         return driven
-    fill = np.sum(sphere_volume(radius)) / scene.enclosure.volume
+    fill = np.sum(sphere_volume(np.asarray(radius))) / scene.enclosure.volume
     free_height = scene.enclosure.height * max(0.05, 1 - fill / 0.64)
     return driven + math.sqrt(2 * float(np.linalg.norm(scene.gravity)) * free_height)
 
@@ -91,7 +84,8 @@ def shortest_contact(scene: Scene, grains, speed: float) -> float:
     """
     radius, species, aspect = np.asarray(grains.radius), np.asarray(grains.species), aspects(grains)
     times = []
-    share = {k: min(map(shortest_contact_share, set(aspect[species == k].tolist()))) for k in set(species.tolist())}
+    of_aspect = shape_of(grains).contact_share
+    share = {k: min(map(of_aspect, set(aspect[species == k].tolist()))) for k in set(species.tolist())}
     smallest = {k: float(np.min(radius[species == k])) for k in set(species.tolist())}
     for i, a in smallest.items():
         material, mass = scene.materials[i], float(scene.mass(a, i))

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .timestep import FEWEST_STEPS_PER_CONTACT
+from .limits import FEWEST_PACKINGS, FEWEST_STEPS_PER_CONTACT
 
 STEP_ERROR = 0.005
 """Relative error of the energy per cycle that a study assumes at 24 steps a contact; of second order.  Six points
-together show 0.05 %, single ones as much as chance allows to see (docs/accuracy.md)."""
+together show 0.1 %, single ones as much as chance allows to see (docs/accuracy.md)."""
 
 STEP_SHARE = 1 / 3
 """Largest part of the tolerance that is left to the step."""
@@ -26,15 +26,15 @@ SLACK = 0.5
 its bed's state."""
 
 RESIDUAL_FACTOR = 2.5
-"""Estimated step error of a case over the ledger's residual.  Six points together show 0.3; upper bounds of
-single ones, in which chance is the most, reach 4.6 (docs/accuracy.md)."""
+"""Estimated step error of a case over the ledger's residual.  Six points together show 0.6; upper bounds of
+single ones, in which chance is the most, reach 3.3 (docs/accuracy.md)."""
 
 LOOSE_MEMORY, TIGHT_MEMORY = 0.04, 0.06
 """Relative standard error of a single bed, however well its cycles are averaged: a bed stays in one state for hundreds
 of cycles, and what a state dissipates differs.  The larger of the root mean square beyond averages (3.8 and 4.3 %) and
 what 95 % of the cases need to lie within their 95 % intervals (2.7 and 5.5 %), up to the next half percent: 36 and 24
-cases, the draw ``measured`` of scripts/documents/coverage.py, compacted beds 3.6 to 5.4 spheres across, one of them of
-many sizes (docs/bed-states.md); packings average it out."""
+cases of compacted beds 3.6 to 5.4 spheres across, one of them of many sizes; a larger draw of beds that were compacted
+further gives a little more, and most for mixtures (docs/bed-states.md, docs/accuracy.md); packings average it out."""
 
 TIGHT_FILL = 0.5
 """Part of the cavity that particles fill from which a bed counts as tight: 0.42-0.48 and 0.51-0.519 were measured."""
@@ -43,7 +43,6 @@ SMALLEST_EFFECTIVENESS = 1e-3
 """Energies below this part of the ideal damper's count as nothing: no error is relative to less."""
 
 FINEST = 120.0
-FEWEST_PACKINGS = 3
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from ..damper.trajectory import Frame, Trajectory
+from ..scene.bodies import Bodies
+from ..scene.shape import SPHERES, bodies_of, shape_of
 
 
 class Colour(StrEnum):
@@ -103,7 +105,6 @@ class Film:
         return float(max((s.max() for s in sizes if len(s)), default=0.0)) or 1.0
 
 
-def spheroids(frame: Frame) -> tuple[np.ndarray, np.ndarray] | None:
-    """Axis (n, 3) and aspect (n,) of the particles of a frame; None if all are spheres."""
-    state = frame.state
-    return None if np.all(state.aspect == 1) else (state.axis, state.aspect)
+def turned(frame: Frame) -> Bodies | None:
+    """Particles of a frame as they lie [m]; None if all are spheres."""
+    return None if shape_of(frame.state) is SPHERES else bodies_of(frame.state)

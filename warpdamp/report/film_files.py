@@ -8,8 +8,7 @@ import numpy as np
 
 from ..errors import MissingLibrary
 from ..files import whole_file
-from ..scene.shape import semi_axes
-from .film import Film, spheroids
+from .film import Film, turned
 
 EXTXYZ = {
     "pos": 3,
@@ -30,7 +29,8 @@ def write_extxyz(film: Film, path: Path) -> None:
     """Write the frames as extended XYZ, in SI units: a text file that OVITO and ASE read.
 
     Positions are in the frame of the cavity, which stands at the origin; ``enclosure`` says how far it has moved.
-    Spheroids have an ``orientation`` (quaternion x, y, z, w) and an ``aspherical_shape`` (semi-axes, the axis last).
+    Particles that are no spheres have an ``orientation`` (quaternion x, y, z, w) and an ``aspherical_shape``
+    (semi-axes, the axis last).
     """
     cavity = film.trajectory.scene.enclosure
     box = np.diag([cavity.diameter, cavity.diameter, cavity.height])
@@ -54,10 +54,9 @@ def _columns(frame) -> dict[str, np.ndarray]:
     state = frame.state
     columns = {"pos": state.position, "velo": state.velocity, "spin": state.spin, "radius": state.radius}
     columns |= {"energy_lost": frame.lost}
-    if shape := spheroids(frame):
-        axis, aspect = shape
-        along, across = semi_axes(state.radius, aspect)
-        columns |= {"orientation": quaternions(axis), "aspherical_shape": np.stack([across, across, along], axis=1)}
+    if bodies := turned(frame):
+        sides = np.stack([bodies.across, bodies.across, bodies.along], axis=1)
+        columns |= {"orientation": quaternions(bodies.axis), "aspherical_shape": sides}
     return columns
 
 
@@ -138,9 +137,8 @@ def _point_data(root, film: Film) -> None:
     states = [frame.state for frame in film.frames]
     values = {name: [getattr(state, name) for state in states] for name in ("velocity", "spin", "radius", "species")}
     values["energy_lost"] = [frame.lost for frame in film.frames]
-    if spheroids(film.frames[0]):
-        shapes = [spheroids(frame) for frame in film.frames]
-        values |= {"axis": [axis for axis, _ in shapes], "aspect": [aspect for _, aspect in shapes]}
+    if turned(film.frames[0]):
+        values |= {name: [getattr(state, name) for state in states] for name in ("axis", "aspect")}
     for name, parts in values.items():
         data[name] = np.concatenate(parts)
 

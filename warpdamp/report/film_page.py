@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .film import QUANTITIES, Film, spheroids
+from .film import QUANTITIES, Film, turned
 from .offline import as_json, packed, page, write_page
 
 MOST_BYTES = 6_000_000
@@ -48,13 +48,13 @@ def film_data(film: Film, scale: Film) -> dict:
     low, high = position.min(axis=(0, 1)), position.max(axis=(0, 1))
     high = np.where(high > low, high, low + 1e-9)
     radius = film.frames[0].state.radius
-    shape = spheroids(film.frames[0])
+    bodies = turned(film.frames[0])
     arrays = {"position": ("u2", np.round(65535 * (position - low) / (high - low)))}
     for colour in QUANTITIES:
         arrays[colour.value] = ("u1", np.round(255 * np.clip(film.values(colour) / scale.most(colour), 0, 1)))
     arrays |= _contacts(film, scale.strongest)
-    if shape:
-        arrays["axis"] = ("i1", np.round(127 * np.array([spheroids(frame)[0] for frame in film.frames])))
+    if bodies:
+        arrays["axis"] = ("i1", np.round(127 * np.array([frame.state.axis for frame in film.frames])))
     counts = [len(frame.touching.pairs) for frame in film.frames]
     walls = {name: getattr(cavity, name) for name in ("side", "floor", "lid")}
     return {
@@ -73,8 +73,9 @@ def film_data(film: Film, scale: Film) -> dict:
         "cycle": [frame.cycle for frame in film.frames],
         "effectiveness": trajectory.effectiveness,
         "discarded": film.discarded,
-        "radius": np.unique(radius) if np.ptp(radius) == 0 else radius,
-        "aspect": shape[1] if shape else None,
+        "radius": _once(radius),
+        "along": _once(bodies.along) if bodies else None,
+        "across": _once(bodies.across) if bodies else None,
         "low": low,
         "high": high,
         "contacts": np.concatenate([[0], np.cumsum(counts)]),
@@ -88,6 +89,11 @@ def film_data(film: Film, scale: Film) -> dict:
         "colours": _colours(),
         "packed": packed(arrays),
     }
+
+
+def _once(lengths: np.ndarray) -> np.ndarray:
+    """Lengths of the particles; one where all are alike."""
+    return np.unique(lengths) if np.ptp(lengths) == 0 else lengths
 
 
 def _contacts(film: Film, strongest: float) -> dict:

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..errors import MissingLibrary, SimulationError
 from ..files import whole_file
-from ..scene.shape import semi_axes
-from .film import QUANTITIES, Film, spheroids
+from ..scene.shape import bodies_of
+from .film import QUANTITIES, Film
 from .film_page import COLOURMAP
 
 TURN, TILT = 0.6, 0.25
@@ -21,6 +21,9 @@ SCENE = 3.8
 """Width of a cavity's part of the picture [inches]; every damper beside the first makes it as much wider."""
 RATE = 20
 """Frames shown a second."""
+
+CORNERS = 48
+"""Corners of a particle's outline."""
 
 GIF_COLOURS = 128
 LARGEST_LINE = 3.0
@@ -140,7 +143,7 @@ def _reach(film: Film) -> float:
 
 def _scene(ax, film: Film, scale: Film, mappable, reach: float):
     """Function that draws a frame of a film, in the colours and the size that all films beside it share."""
-    from matplotlib.collections import EllipseCollection, LineCollection
+    from matplotlib.collections import LineCollection, PolyCollection
 
     view, cavity = _view(), film.trajectory.scene.enclosure
     values, sway = film.values(scale.colour), film.trajectory.displacement
@@ -160,15 +163,12 @@ def _scene(ax, film: Film, scale: Film, mappable, reach: float):
             ax.plot(*seen(line)[:, :2].T, color="#8b97a4", lw=1, zorder=1)
         at = seen(frame.state.position + shift)
         order = np.argsort(at[:, 2])
-        width, height, angle = _ellipses(frame, view)
+        outlines = at[:, None, :2] + _outlines(frame, view)
         colours = mappable.to_rgba(values[k])
         colours[:, 3] = 0.35 if scale.forces else 1.0
         ax.add_collection(
-            EllipseCollection(
-                *(part[order] for part in (width, height, angle)),
-                units="xy",
-                offsets=at[order, :2],
-                transOffset=ax.transData,
+            PolyCollection(
+                outlines[order],
                 facecolors=colours[order],
                 edgecolors="#1d2733",
                 linewidths=0.5,
@@ -186,20 +186,12 @@ def _scene(ax, film: Film, scale: Film, mappable, reach: float):
     return draw
 
 
-def _ellipses(frame, view: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Outlines of the particles: axes [m] and the angle of the first [degrees].
-
-    With w the part of a spheroid's axis in the plane of the picture, sqrt(b^2 + (a^2 - b^2) |w|^2) along it and b
-    across.
-    """
-    radius = frame.state.radius
-    if (shape := spheroids(frame)) is None:
-        return 2 * radius, 2 * radius, np.zeros(len(radius))
-    axis, aspect = shape
-    a, b = semi_axes(radius, aspect)
-    flat = axis @ view[:2].T
-    along = np.sqrt(b**2 + (a**2 - b**2) * np.sum(flat**2, axis=1))
-    return 2 * along, 2 * b, np.degrees(np.arctan2(flat[:, 1], flat[:, 0]))
+def _outlines(frame, view: np.ndarray) -> np.ndarray:
+    """Outlines of the particles about their centres, (n, CORNERS, 2) [m], for they are convex."""
+    bodies, angle = bodies_of(frame.state), np.linspace(0, 2 * np.pi, CORNERS, endpoint=False)
+    towards = np.stack([np.cos(angle), np.sin(angle)], axis=1) @ view[:2]
+    corners = [bodies.point(np.broadcast_to(direction, bodies.axis.shape)) for direction in towards]
+    return np.stack(corners, axis=1) @ view[:2].T
 
 
 def _outline(cavity, shift: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:

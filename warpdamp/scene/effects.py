@@ -6,10 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, make_dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
-from .shape import aspects
-
 if TYPE_CHECKING:
     from .scene import Scene
 
@@ -84,11 +80,11 @@ def _wall(name: str) -> Effect:
 
 
 def _sizes(_scene: Scene, grains) -> bool:
-    return len(set(np.asarray(grains.radius).tolist())) > 1
+    return len(set(grains.radius)) > 1
 
 
 def _spheroids(_scene: Scene, grains) -> bool:
-    return bool(np.any(aspects(grains) != 1))
+    return any(aspect != 1 for aspect in getattr(grains, "aspect", ()))
 
 
 def _materials(scene: Scene, _grains) -> bool:

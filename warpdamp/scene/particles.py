@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
-from .shape import bounding_radius, flattest_radius, semi_axes, spheroid_inertia
+from .shape import aspects, shape_of
+from .sphere import inverse_sphere_inertia, sphere_volume
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,10 @@ class Grains:
         Grains
         """
         return cls((radius,) * count, (0,) * count, () if aspect == 1 else (aspect,) * count)
+
+    def given(self) -> dict:
+        """Constants by name, without those that are as of spheres."""
+        return {one.name: value for one in fields(self) if (value := getattr(self, one.name)) != one.default}
 
     def __len__(self) -> int:
         return len(self.radius)
@@ -150,19 +154,23 @@ class State:
         still = np.zeros_like(position)
         return cls(position, still, still.copy(), radius, species=species, aspect=np.array(aspect), axis=np.array(axis))
 
+    @classmethod
+    def of(cls, grains: Grains, position, axis) -> State:
+        """State of particles at rest at positions (n, 3) [m], with their axes along unit vectors (n, 3)."""
+        return cls.at_rest(position, grains.radius, grains.species, aspect=aspects(grains), axis=axis)
+
     def __len__(self) -> int:
         return len(self.position)
 
     @property
     def bounding_radius(self) -> np.ndarray:
         """Radius of the smallest sphere about each centre that holds the particle, (n,) [m]."""
-        spheroids = self.aspect != 1  # of a sphere to the bit
-        return np.where(spheroids, bounding_radius(self.radius, self.aspect), self.radius)
+        return shape_of(self).bounding_radius(self.radius, self.aspect)
 
     @property
     def semi_axes(self) -> tuple[np.ndarray, np.ndarray]:
         """Semi-axes along and across each particle's axis, two of (n,) [m]."""
-        return semi_axes(self.radius, self.aspect)
+        return shape_of(self).semi_axes(self.radius, self.aspect)
 
     def constants(self, mass: np.ndarray) -> dict[str, np.ndarray]:
         """Constants of the particles, and their angular momentum, by their names in ``kernels.structs.Particle``.
@@ -181,7 +189,7 @@ class State:
             (n, 3) [kg m^2/s].
         """
         a, b = self.semi_axes
-        transverse, axial = spheroid_inertia(mass, self.radius, self.aspect)
+        transverse, axial = shape_of(self).inertia(mass, self.radius, self.aspect)
         along = np.sum(self.spin * self.axis, axis=1)
         return {
             "inverse_mass": 1 / mass,
@@ -190,7 +198,7 @@ class State:
             "excess": a**2 - b**2,
             "reach": np.maximum(a, b),
             "tilt": np.abs(a - b),
-            "flattest": flattest_radius(self.radius, self.aspect),
+            "flattest": np.maximum(a, b) ** 2 / np.minimum(a, b),
             "inverse_transverse": 1 / transverse,
             "inverse_axial": 1 / axial,
             "half_momentum": transverse[:, None] * self.spin + ((axial - transverse) * along)[:, None] * self.axis,
@@ -242,38 +250,6 @@ class State:
 
         histories = {name: history(name) for name in _HISTORIES}
         return cls(**rest, **histories)
-
-
-def sphere_volume(radius):
-    """Volume of spheres, 4 pi R^3 / 3 [m^3].
-
-    Parameters
-    ----------
-    radius : (...) array
-        R [m].
-
-    Returns
-    -------
-    (...) array
-        [m^3].
-    """
-    return 4 / 3 * math.pi * np.asarray(radius) ** 3
-
-
-def inverse_sphere_inertia(mass, radius):
-    """Inverse of the moment of inertia of solid spheres about their centres, 5 / (2 m R^2) [1/(kg m^2)].
-
-    Parameters
-    ----------
-    mass, radius : float or array
-        m [kg], R [m].
-
-    Returns
-    -------
-    float or array
-        [1/(kg m^2)].
-    """
-    return 2.5 / (mass * radius**2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,11 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .gravity import STANDARD_GRAVITY
 from .host import HostStructure
-from .particles import sphere_volume
-
-STANDARD_GRAVITY = 9.81
-"""g [m/s^2] that turns Gamma into an acceleration (the paper's value)."""
+from .sphere import sphere_volume
 
 
 @dataclass(frozen=True)
@@ -349,7 +347,7 @@ class Scene:
             [kg].
         """
         density = np.array([material.density for material in self.materials])[np.asarray(species)]
-        return density * sphere_volume(radius)
+        return density * sphere_volume(np.asarray(radius))
 
     def masses(self, grains) -> np.ndarray:
         """Mass of each particle [kg].

@@ -1,19 +1,73 @@
-"""Shapes of particles: spheroids with a semi-axis a along their unit axis and b across it, spheres where a = b.
+"""Shapes of particles: what the code outside the kernels asks of each; ``kernels/shape.py`` is the same for kernels.
 
-A spheroid is given by the radius r of the sphere of its volume and by its aspect alpha = a / b, so that its mass does
-not depend on its aspect: a = r alpha^(2/3), b = r alpha^(-1/3), a b^2 = r^3.  With d1, d2 as semi-axes this is eq. 18
-of the paper; with diameters, d2 would be twice as much.  Aspects above 1 are prolate, below 1 oblate.
+All are bodies that are round about an axis.  A particle is given by the radius of the sphere of its volume, so that its
+mass does not depend on its shape, and by its aspect, along over across the axis: 1 is a sphere of whatever shape.
+
+Another shape is another file that answers all fields of ``Shape``, and an entry in ``SHAPES``.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 
-LEAST_ASPECT, MOST_ASPECT = 0.25, 4.0
-"""Aspects between which Newton's method finds common normals from its first guess.
+from .aspect import refused_shape, semi_axes, shortest_contact_share, spheroid_inertia
+from .bodies import Bodies
+from .spheres import Spheres
+from .spheroids import Spheroids
 
-Of 20,000 pairs near each other none failed; at 0.2 and 5 a few did, and pairs that are apart were taken to overlap.
-"""
+
+@dataclass(frozen=True)
+class Shape:
+    """Shape of particles, as functions of arrays of their radii [m] and aspects [-].
+
+    Parameters
+    ----------
+    semi_axes : function of (radius, aspect)
+        Half of the length along the axis, and of the width across [m].
+    inertia : function of (mass, radius, aspect)
+        Moments of inertia across the axis and along it [kg m^2].
+    contact_share : function of one aspect
+        Shortest contact time over that of the sphere of the same volume, at one speed [-].
+    refused : function of (radius, aspect, radius of the cavity or None)
+        Sentence that refuses particles of which contacts would be missed; empty if all are right.
+    bodies : subclass of Bodies
+        The particles as they lie.
+    """
+
+    semi_axes: Callable
+    inertia: Callable
+    contact_share: Callable[[float], float]
+    refused: Callable[..., str]
+    bodies: type[Bodies]
+
+    def bounding_radius(self, radius, aspect) -> np.ndarray:
+        """Radius of the smallest spheres about the centres that hold the particles [m]."""
+        return np.maximum(*self.semi_axes(radius, aspect))
+
+    def inscribed_radius(self, radius, aspect) -> np.ndarray:
+        """Radius of the largest spheres about the centres within the particles [m]."""
+        return np.minimum(*self.semi_axes(radius, aspect))
+
+
+SPHERES = Shape(
+    semi_axes=semi_axes,
+    inertia=spheroid_inertia,
+    contact_share=lambda _aspect: 1.0,
+    refused=lambda _radius, _aspect, _side: "",
+    bodies=Spheres,
+)
+SPHEROIDS = Shape(
+    semi_axes=semi_axes,
+    inertia=spheroid_inertia,
+    contact_share=shortest_contact_share,
+    refused=refused_shape,
+    bodies=Spheroids,
+)
+SHAPES = {"spheroids": SPHEROIDS}
+"""Shapes other than spheres, by the effects that they are."""
 
 
 def aspects(particles) -> np.ndarray:
@@ -28,219 +82,18 @@ def aspects(particles) -> np.ndarray:
     return given if len(given) else np.ones(len(particles.radius))
 
 
-def semi_axes(radius, aspect) -> tuple[np.ndarray, np.ndarray]:
-    """Semi-axes of spheroids along and across their axes, a = r alpha^(2/3) and b = r alpha^(-1/3) [m].
+def shape_of(particles) -> Shape:
+    """Shape of some particles: that of those that are no spheres, if there are any.
 
     Parameters
     ----------
-    radius : (...) array
-        Of the spheres of the same volumes, r [m].
-    aspect : (...) array
-        alpha = a / b [-].
-
-    Returns
-    -------
-    a, b : (...) arrays
-        [m].
-
-    Examples
-    --------
-    >>> from warpdamp.scene.shape import semi_axes
-    >>> a, b = semi_axes(3.73e-3, 2.0)
-    >>> round(1e3 * float(a), 2), round(1e3 * float(b), 2)  # [mm]
-    (5.92, 2.96)
+    particles : State, Grains, or anything with ``radius``
+        As of ``aspects``.
     """
-    radius, aspect = np.asarray(radius, float), np.asarray(aspect, float)
-    return radius * aspect ** (2 / 3), radius * aspect ** (-1 / 3)
+    return SPHERES if np.all(aspects(particles) == 1) else SPHEROIDS
 
 
-def bounding_radius(radius, aspect) -> np.ndarray:
-    """Radius of the smallest spheres about the centres of spheroids that hold them, max(a, b) [m].
-
-    Parameters
-    ----------
-    radius, aspect : (...) arrays
-        [m], [-]; see ``semi_axes``.
-
-    Returns
-    -------
-    (...) array
-        [m].
-    """
-    return np.maximum(*semi_axes(radius, aspect))
-
-
-def inscribed_radius(radius, aspect) -> np.ndarray:
-    """Radius of the largest spheres about the centres of spheroids within them, min(a, b) [m].
-
-    Parameters
-    ----------
-    radius, aspect : (...) arrays
-        [m], [-]; see ``semi_axes``.
-
-    Returns
-    -------
-    (...) array
-        [m].
-    """
-    return np.minimum(*semi_axes(radius, aspect))
-
-
-def spheroid_inertia(mass, radius, aspect) -> tuple[np.ndarray, np.ndarray]:
-    """Moments of inertia of solid spheroids, I_t = m (a^2 + b^2) / 5 across and I_a = 2 m b^2 / 5 along the axis.
-
-    Parameters
-    ----------
-    mass, radius, aspect : (...) arrays
-        [kg], [m], [-]; see ``semi_axes``.
-
-    Returns
-    -------
-    I_t, I_a : (...) arrays
-        [kg m^2].
-    """
-    a, b = semi_axes(radius, aspect)
-    return mass * (a**2 + b**2) / 5, 2 / 5 * mass * b**2
-
-
-def flattest_radius(radius, aspect) -> np.ndarray:
-    """Largest radius of curvature of spheroids' surfaces, max(a, b)^2 / min(a, b) [m].
-
-    Parameters
-    ----------
-    radius, aspect : (...) arrays
-        [m], [-]; see ``semi_axes``.
-
-    Returns
-    -------
-    (...) array
-        [m].
-    """
-    a, b = semi_axes(radius, aspect)
-    return np.maximum(a, b) ** 2 / np.minimum(a, b)
-
-
-def shortest_contact_share(aspect: float) -> float:
-    """Shortest contact time of a spheroid over that of the sphere of its volume, at one speed [-].
-
-    A contact of mass m and radius R takes m^(2/5) R^(-1/5); off the axis and at the flat sides both tell, so the
-    smallest over all tilts against a plane is looked for.  Two spheroids give the same to 0.1 %.
-
-    Parameters
-    ----------
-    aspect : float
-        [-].
-
-    Returns
-    -------
-    float
-
-    Examples
-    --------
-    >>> from warpdamp.scene.shape import shortest_contact_share
-    >>> [round(shortest_contact_share(aspect), 2) for aspect in (0.5, 0.7, 1.0, 1.4, 2.0, 2.5)]
-    [0.71, 0.87, 1.0, 0.92, 0.77, 0.7]
-    """
-    a, b = semi_axes(1.0, aspect)
-    cosine = np.linspace(0, 1, 201)
-    height = np.sqrt(b**2 + (a**2 - b**2) * cosine**2)
-    beyond = (height / a + a / height) / 2 - 1
-    radius = (1 + beyond / (3 + 0.29 * beyond)) * a * b**2 / height**2  # as in ``kernels/elliptic.py``
-    lever2 = ((a**2 - b**2) * cosine / height) ** 2 * (1 - cosine**2)
-    mass = 1 / (1 + 5 * lever2 / (a**2 + b**2))
-    return float(np.min(mass**0.4 / radius**0.2))
-
-
-def allowed_aspects(radius: float, side: float) -> tuple[float, float]:
-    """Aspects between which a spheroid touches the inside of a cylinder in one place at the most [-].
-
-    It rolls inside the cylinder, and cannot rest on two of its ends, where its largest radius of curvature is below
-    the cylinder's (Blaschke's rolling theorem): r alpha^(5/3) < Rc if prolate, r alpha^(-4/3) < Rc if oblate.
-
-    Parameters
-    ----------
-    radius : float
-        Of the sphere of the same volume, r [m].
-    side : float
-        Radius of the cylinder, Rc [m].
-
-    Returns
-    -------
-    lowest, highest : float
-        Excluded themselves.
-
-    Examples
-    --------
-    >>> from warpdamp.scene.shape import allowed_aspects
-    >>> [round(aspect, 3) for aspect in allowed_aspects(3.73e-3, 0.02)]
-    [0.284, 2.739]
-    """
-    return (radius / side) ** (3 / 4), (side / radius) ** (3 / 5)
-
-
-def two_ends_at_the_side(radius, aspect, side: float) -> str:
-    """Sentence that refuses a spheroid that might touch the side at both ends at once; empty if none can.
-
-    Parameters
-    ----------
-    radius, aspect : (n,) arrays
-        [m], [-]; see ``semi_axes``.  Spheres are never refused.
-    side : float
-        Radius of the cavity [m].
-
-    Returns
-    -------
-    str
-    """
-    radius, aspect = np.broadcast_arrays(np.asarray(radius, float), np.asarray(aspect, float))
-    with np.errstate(over="ignore"):  # whatever aspect a user writes
-        flattest = np.where(aspect == 1, 0.0, flattest_radius(radius, aspect))
-    k = int(np.argmax(flattest))
-    if flattest[k] < side:
-        return ""
-    low, high = allowed_aspects(float(radius[k]), side)
-    return (
-        f"a spheroid of aspect {aspect[k]:g} might touch the side at both ends at once: its largest radius of "
-        f"curvature, {1e3 * flattest[k]:.3g} mm, is not below the cavity's radius, {1e3 * side:g} mm; take an aspect "
-        f"above {low:.3f} and below {high:.3f}, smaller particles, or a wider cavity"
-    )
-
-
-def refused_shape(radius, aspect, side: float | None) -> str:
-    """Sentence that refuses a shape of which contacts would be missed; empty if all are right.
-
-    Parameters
-    ----------
-    radius, aspect : (n,) arrays
-        [m], [-]; see ``semi_axes``.
-    side : float or None
-        Radius of the cavity [m]; None: no side is there.
-
-    Returns
-    -------
-    str
-    """
-    ends = "" if side is None else two_ends_at_the_side(radius, aspect, side)
-    return ends or too_flat_or_long(aspect)
-
-
-def too_flat_or_long(aspect) -> str:
-    """Sentence that refuses a spheroid whose contacts might be missed or taken for deep ones; empty if there is none.
-
-    Parameters
-    ----------
-    aspect : (n,) array
-        [-].
-
-    Returns
-    -------
-    str
-    """
-    aspect = np.atleast_1d(np.asarray(aspect, float))
-    outside = (aspect < LEAST_ASPECT) | (aspect > MOST_ASPECT)
-    if not outside.any():
-        return ""
-    return (
-        f"contacts of spheroids are found reliably at aspects from {LEAST_ASPECT:g} to {MOST_ASPECT:g}, not at "
-        f"{aspect[np.argmax(outside)]:g}: take a shape between"
-    )
+def bodies_of(state) -> Bodies:
+    """The particles of a state as they lie [m]; see ``Shape``."""
+    shape = shape_of(state)
+    return shape.bodies(state.axis, *shape.semi_axes(state.radius, state.aspect))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.results import provenance
-from ..config.build import as_list
+from ..config.sweep import as_list
 from ..damper.trajectory import CYCLES, FRAMES, record
 from ..errors import UsageError
 from ..modal.from_config import amplitudes

@@ -10,6 +10,7 @@ from ..analysis.results import provenance
 from ..config.preparation import carried_path, preparation_word, state_asked
 from ..config.reading import resolved_yaml
 from ..execution.adaptive import needed_cases
+from ..modal.apparent_mass import per_mode
 from ..modal.damping import damping_ratio, normalised_damping
 from ..numerics.tolerance import PARTS, allowed, combined
 from ..scene.scene import STANDARD_GRAVITY
@@ -168,14 +169,10 @@ def _modal(cases: Cases, dataset: xr.Dataset) -> xr.Dataset:
     coords = {"mode": ("mode", modes.number, {"units": "1", "long_name": family})}
     modal = xr.Dataset({name: (dims, values) for name, values in table.items()}, coords)
 
-    def to_mode(array):
-        return array.rename(frequency="mode").assign_coords(mode=modal["mode"])
-
-    per_joule = damping_ratio(
-        1.0, to_mode(dataset["displacement"]), modal["mode_amplitude"], modal["natural_frequency"]
-    )
-    modal["damping_ratio"] = per_joule * to_mode(dataset["energy_mean"]) + modal["inherent_damping"]
-    modal["damping_ratio_standard_error"] = per_joule * to_mode(dataset["energy_mean_standard_error"])
+    of_modes = per_mode(modal, dataset[["displacement", "energy_mean", "energy_mean_standard_error"]])
+    per_joule = damping_ratio(1.0, of_modes["displacement"], modal["mode_amplitude"], modal["natural_frequency"])
+    modal["damping_ratio"] = per_joule * of_modes["energy_mean"] + modal["inherent_damping"]
+    modal["damping_ratio_standard_error"] = per_joule * of_modes["energy_mean_standard_error"]
     return modal.drop_vars("frequency", errors="ignore")
 
 

@@ -15,11 +15,12 @@ from ..coupled.run import planned
 from ..errors import ConfigError
 from ..execution.adaptive import needed_cases
 from ..execution.batching import BATCH_COST, MOST_CASES
+from ..execution.progress import duration
 from ..execution.store import Finished
 from ..numerics.timestep import expected_speed, shortest_contact
 from ..scene.effects import EFFECTS, NOT_MODELLED, Effects, called_for
 from ..scene.scene import STANDARD_GRAVITY
-from ..scene.shape import aspects
+from ..scene.shape import SHAPES, aspects
 from ..sweep.cases import Cases
 from ..sweep.plan import Fate, make_plan
 from ..sweep.resolve import self_contained, with_tolerance
@@ -66,7 +67,7 @@ def effects_of(config: Config, spec: Spec) -> list[Explanation]:
     explained = []
     for name in (name for name, effect in EFFECTS.items() if effect.keys):
         on = getattr(effects, name)
-        why = _aspects(config, spec) if name == "spheroids" else _why(config, name, on)
+        why = _aspects(config, spec) if name in SHAPES else _why(config, name, on)
         if name in forced and on != getattr(called, name):
             why = f"forced {'on' if on else 'off'}, though the scene {'calls' if not on else 'does not call'} for it"
         full = recall("frozen", effects)
@@ -241,8 +242,8 @@ def _price(plan: Plan, numbers, workers):
     else:
         spent = float((cost * np.array(rates)[group])[first].sum()) * 1e-9
         yield (
-            f"  {np.mean(rates):.0f} ns per particle-step on this machine: at least {_duration(spent / workers)} on "
-            f"{workers} cores, at most {_duration(spent / workers * most / least)}"
+            f"  {np.mean(rates):.0f} ns per particle-step on this machine: at least {duration(spent / workers)} on "
+            f"{workers} cores, at most {duration(spent / workers * most / least)}"
         )
     largest = int(plan.particles[numbers].max())
     effects, criteria = plan.groups[0]
@@ -258,11 +259,3 @@ def case_bytes(effects: Effects, particles: int, rows: int) -> float:
 
     t = types(effects)
     return particles * particle_bytes(t, LISTED_PAIRS) + rows * 8 * len(t.columns)
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    if seconds < 5400:
-        return f"{seconds / 60:.0f} min"
-    return f"{seconds / 3600:.1f} h"

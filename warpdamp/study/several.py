@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..analysis.results import over_packings, provenance, worst_status
-from ..config.build import as_list, particle_mass
+from ..config.build import particle_mass
 from ..config.reading import resolved_yaml
 from ..config.study import Config
-from ..config.sweep import SweepConfig
+from ..config.sweep import SweepConfig, as_list
 from ..modal.damping import damping_ratio
 from ..modal.from_config import modes as modes_of
 from ..modal.from_config import seen_by_all

@@ -14,35 +14,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import ValidationError
 
-from ..config.build import as_list, bed, drive, grains, numerics_of, particle_mass, scene
+from ..config.build import bed, drive, grains, numerics_of, particle_mass, scene
 from ..config.study import Config
+from ..config.sweep import as_list
 from ..damper.case import PAPER_SETTLING, Criteria, Request, Spec, paper_criteria
 from ..errors import ConfigError
-from ..numerics.timestep import (
-    FEWEST_STEPS_PER_CONTACT,
-    FEWEST_STEPS_PER_CYCLE,
-    contact_step,
-    expected_speed,
-    shortest_contact,
-    steps_per_cycle,
-)
+from ..numerics.limits import FEWEST_STEPS_PER_CONTACT, FEWEST_STEPS_PER_CYCLE
+from ..numerics.timestep import contact_step, expected_speed, shortest_contact, steps_per_cycle
 from ..numerics.tolerance import settings_for
 from ..scene.scene import STANDARD_GRAVITY
-from .axes import CASE, FREQUENCY, GAMMA, OWN, SEED, coordinate_names, dotted, leaves, put, tree, tree_copy
-from .carried import leg_axes, refuse_one_amplitude
-from .exclude import Exclusions
-from .reader import read_axes
+from .axes import FREQUENCY, leaves, put, tree, tree_copy
+from .grid import Grid
 
 if TYPE_CHECKING:
     from ..modes import Modes
     from ..scene.scene import Scene
-
-CHOSEN = {
-    ("numerics", "steps_per_contact"),
-    ("numerics", "step"),
-    *(("steady_state", key) for key in ("recipe", "standard_error", "fewest_cycles")),
-}
-"""Scalars that a tolerance chooses."""
 
 KEPT_POINTS = 512
 """Points whose scenes are kept while their cases are made."""
@@ -68,7 +54,7 @@ class Point:
     refused: str = ""
 
 
-class Cases:
+class Cases(Grid):
     """Cases of a study, numbered in the order of (frequency, gamma, swept scalars, seed).
 
     Parameters
@@ -82,26 +68,11 @@ class Cases:
     """
 
     def __init__(self, config: Config):
-        self.config, self.axes = read_axes(config)
-        self.axes += leg_axes(config)
-        self.carried = {path for axis in self.axes if axis.name == CASE for path in axis.paths if path in OWN}
-        """Which of frequency, gamma and seed change along the dimension ``case``."""
-        excitation = self.config.excitation
-        self.gammas = [math.nan] if GAMMA in self.carried else as_list(excitation.gamma)
-        self.seeds = [0] if SEED in self.carried else self.config.seeds
-        self.modal = excitation.frequency == "modes" and FREQUENCY not in self.carried
-        self.excluded = Exclusions(self.config)
+        super().__init__(config)
         self._base = tree(self.config)
         self._points: OrderedDict[tuple, Point] = OrderedDict()
         self._modes: dict[str, Modes] = {}
         self._beds: dict = {}
-        self._refuse_what_the_tolerance_chooses()
-        refuse_one_amplitude(self.config, self.axes, self.gammas)
-
-    def _refuse_what_the_tolerance_chooses(self) -> None:
-        chosen = [path for axis in self.axes for path in axis.paths if path in CHOSEN or path[0] == "accuracy"]
-        if self.config.accuracy is not None and chosen:
-            raise self.config.error(("sweep",), f"{dotted(chosen[0])} is chosen by accuracy.tolerance for all cases")
 
     @cached_property
     def shape(self) -> tuple[int, ...]:
@@ -120,15 +91,6 @@ class Cases:
 
     def __len__(self) -> int:
         return math.prod(self.shape)
-
-    @property
-    def dims(self) -> tuple[str, ...]:
-        """Names of the dimensions, those that ``case`` carries among them."""
-        return ("frequency", "gamma", *(axis.name for axis in self.axes), "seed")
-
-    def names(self) -> dict:
-        """Names of the swept scalars, by path."""
-        return coordinate_names(path for axis in self.axes for path in axis.paths)
 
     def points(self) -> Iterator[Point]:
         """Combinations of the swept scalars other than frequency, gamma and seed, in order."""

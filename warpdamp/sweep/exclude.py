@@ -11,7 +11,8 @@ from .reader import Reader
 
 if TYPE_CHECKING:
     from ..config.study import Config
-    from .cases import Cases, Point
+    from .cases import Point
+    from .grid import Grid
 
 
 class Exclusions:
@@ -45,7 +46,7 @@ class Exclusions:
         )
 
 
-def refuse_exclusions_in_vain(cases: Cases) -> None:
+def refuse_exclusions_in_vain(grid: Grid) -> None:
     """Refuse a condition that no value of the study meets: it would leave out nothing.
 
     Frequencies that are the structure's own are not looked at: they are not known yet.
@@ -55,27 +56,27 @@ def refuse_exclusions_in_vain(cases: Cases) -> None:
     ConfigError
         At the condition.
     """
-    for k, entry in enumerate(cases.excluded.entries):
+    for k, entry in enumerate(grid.excluded.entries):
         for path, rule in entry.items():
-            values = _values(cases, path)
+            values = _values(grid, path)
             if values and not any(_meets(value, rule) for value in values):
-                written = list(cases.config.sweep.exclude[k])[list(entry).index(path)]
-                raise cases.config.error(
+                written = list(grid.config.sweep.exclude[k])[list(entry).index(path)]
+                raise grid.config.error(
                     ("sweep", "exclude", k, written),
                     f"leaves nothing out: no case has such a value of {dotted(path)}; correct it, or leave it out",
                 )
 
 
-def _values(cases: Cases, path: Path) -> list:
+def _values(grid: Grid, path: Path) -> list:
     """Values that a scalar has in a study; none where they are not known yet."""
-    for axis in cases.axes:
+    for axis in grid.axes:
         if path in axis.paths:
             return [row[axis.paths.index(path)] for row in axis.rows]
     if path == FREQUENCY:
-        frequencies = [] if cases.modal else cases.config.excitation.frequency
+        frequencies = [] if grid.modal else grid.config.excitation.frequency
         return frequencies if isinstance(frequencies, list) else [frequencies]
-    own = {GAMMA: cases.gammas, SEED: cases.seeds}
-    return own[path] if path in own else [get(tree(cases.config), path)]
+    own = {GAMMA: grid.gammas, SEED: grid.seeds}
+    return own[path] if path in own else [get(tree(grid.config), path)]
 
 
 def _meets(value, rule) -> bool:

@@ -14,7 +14,7 @@ from ..config.quantities import to_si
 from ..config.study import Config
 from ..config.sweep import Between, Range, SampleConfig, Span, spread
 from ..errors import ConfigError
-from ..formats.text_table import Row, TableError, column, is_number, number, read_rows, without_empty_last
+from ..formats.text_file import TableError
 from .axes import (
     CASE,
     GAMMA,
@@ -207,35 +207,23 @@ class Reader:
 
     def table(self, name: str) -> Axis:
         """Axis of the scalars of a CSV file, one a column."""
-        place, file = ("sweep", "csv"), self.config.folder / name
+        from .table import read_table  # hides NumPy, and most sweeps have no table
+
+        place = ("sweep", "csv")
         try:
-            rows = read_rows(file, separators=(";", "\t", ","))
+            heads, rows = read_table(self.config.folder / name)
+            paths = [_in_file(where, self._take, key, place) for where, key in heads]
+            return Axis(CASE, tuple(paths), tuple(self._row(paths, where, cells, place) for where, cells in rows))
         except TableError as error:
             raise self.config.error(place, str(error)) from None
-        if len(rows) < 2:
-            raise self.config.error(place, f"{file} needs a line of paths and at least one line of values")
-        (head,), lines = without_empty_last(rows[:1]), rows[1:]
-        if not any(any(line.cells[len(head.cells) :]) for line in lines):  # a separator at the end of lines
-            lines = [Row(line.line, line.cells[: len(head.cells)]) for line in lines]
-        if mixed := _two_decimal_marks(lines):
-            raise self.config.error(place, f"{file}:{mixed}: has decimal points and decimal commas: write one of them")
-        heads = [column(cell) for cell in head.cells]
-        paths = [self._column(title.name, f"{file}:{head.line}: column '{title}'") for title in heads]
-        values = []
-        for line in lines:
-            where = f"{file}:{line.line}"
-            if len(line.cells) != len(paths):
-                raise self.config.error(place, f"{where}: {len(line.cells)} values for {len(paths)} columns")
-            cells = [_cell(cell, title.unit) for cell, title in zip(line.cells, heads, strict=True)]
-            for path, cell in zip(paths, cells, strict=True):
-                if said := refusal(dotted(path), cell):
-                    raise self.config.error(place, f"{where}: {dotted(path)}: {said}")
-            row = _in_file(where, self._read, dict(zip(paths, cells, strict=True)), place)
-            values.append(tuple(row[path] for path in paths))
-        return Axis(CASE, tuple(paths), tuple(values))
 
-    def _column(self, name: str, where: str) -> Path:
-        return _in_file(where, self._take, name, ("sweep", "csv"))
+    def _row(self, paths: list[Path], where: str, cells: list, place) -> tuple:
+        """Values of a table's row, in SI."""
+        for path, cell in zip(paths, cells, strict=True):
+            if said := refusal(dotted(path), cell):
+                raise self.config.error(place, f"{where}: {dotted(path)}: {said}")
+        row = _in_file(where, self._read, dict(zip(paths, cells, strict=True)), place)
+        return tuple(row[path] for path in paths)
 
 
 def _in_file(where: str, action, *arguments):
@@ -245,16 +233,6 @@ def _in_file(where: str, action, *arguments):
     except ConfigError as error:
         before, key, after = str(error).rpartition("sweep.csv: ")
         raise ConfigError(f"{before}{key}{where}: {after}") from None
-
-
-def _two_decimal_marks(rows: list[Row]) -> int | None:
-    """The first line by which numbers have been written with decimal points and with decimal commas."""
-    marks: set[str] = set()
-    for row in rows:
-        marks |= {mark for cell in row.cells if is_number(cell) for mark in ",." if mark in cell}
-        if len(marks) > 1:
-            return row.line
-    return None
 
 
 def _at(loc: tuple, path: Path) -> bool:
@@ -273,17 +251,6 @@ def _message(error, row: dict) -> str:
     message = error["msg"].removeprefix("Value error, ")
     given = " and ".join(f"{dotted(path)} = {value!r}" for path, value in row.items())
     return f"{message[:1].lower()}{message[1:]} (with {given}){per_cent(error)}"
-
-
-def _cell(text: str, unit: str):
-    """A number, a quantity in the unit of its column, a truth value, or text."""
-    bare = unit in ("", "-", "1")
-    if not is_number(text):
-        return {"true": True, "false": False}.get(text.lower(), text if bare else f"{text} {unit}")
-    if not bare:
-        return f"{number(text)!r} {unit}"
-    value = number(text)
-    return int(text) if text.lstrip("+-").isdigit() else value if math.isfinite(value) else text
 
 
 def _samples(sample: SampleConfig, dimensions: int):

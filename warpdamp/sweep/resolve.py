@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..config.build import as_list
 from ..config.study import Config
+from ..config.sweep import as_list
 from ..numerics.tolerance import settings_for
 from .axes import dotted
 from .reader import Reader

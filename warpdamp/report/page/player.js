@@ -90,12 +90,12 @@ async function stageOf(film, shared) {
     for (const [, x, y, i] of order) {
       const sprite = sprites[Math.min(sprites.length - 1, Math.round((values[f * n + i] / 255) * (sprites.length - 1)))];
       const r = film.radius[i % film.radius.length] * size;
-      if (!film.aspect) {
+      if (!film.along) {
         pen.drawImage(sprite, x - r, y - r, 2 * r, 2 * r);
         continue;
       }
-      const k = place(f, i), aspect = film.aspect[i % film.aspect.length];
-      const a = r * aspect ** (2 / 3), b = r * aspect ** (-1 / 3);
+      const k = place(f, i);
+      const a = film.along[i % film.along.length] * size, b = film.across[i % film.across.length] * size;
       const u = [arrays.axis[k] / 127, arrays.axis[k + 1] / 127, arrays.axis[k + 2] / 127];
       const w = [dot(u, right), -dot(u, up)];
       const length = Math.hypot(w[0], w[1]);

@@ -1,7 +1,7 @@
-"""Random placement of spheroids in a closed cavity: points and axes that are pushed apart and turned.
+"""Random placement of particles other than spheres in a closed cavity: points and axes pushed apart and turned.
 
 The energy is half the sum of the squares of the overlaps d: a pair is pushed by d along its common normal, with the
-torque of that about each centre.  Masses are 1, moments of inertia those about the axes across, (a^2 + b^2) / 5.
+torque of that about each centre.  Masses are 1, moments of inertia those about the axes across.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..scene.bodies import Bodies
 from ..scene.scene import Cylinder
-from ..scene.shape import inscribed_radius, semi_axes
-from ..scene.touch import Spheroids, common_normal, farthest_from_axis
+from ..scene.shape import Shape
 from .fire import minimised
 
 MOST = 2000
@@ -21,10 +21,10 @@ FEW = 600
 """The same where it only matters about how many fit."""
 
 
-def random_start(radius, aspect, enclosure: Cylinder, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Random points [m] and axes of spheroids, which overlap, two of (n, 3)."""
+def random_start(shape: Shape, radius, aspect, enclosure: Cylinder, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Random points [m] and axes of particles, which overlap, two of (n, 3)."""
     rng, n = np.random.default_rng(seed), len(radius)
-    least = inscribed_radius(radius, aspect)
+    least = shape.inscribed_radius(radius, aspect)
     rho = (enclosure.diameter / 2 - least) * np.sqrt(rng.random(n))
     angle = 2 * np.pi * rng.random(n)
     z = least + (enclosure.height - 2 * least) * rng.random(n)
@@ -34,23 +34,24 @@ def random_start(radius, aspect, enclosure: Cylinder, seed: int) -> tuple[np.nda
 
 
 def turned_apart(
-    position, axis, radius, aspect, enclosure: Cylinder, *, most: int
+    shape: Shape, position, axis, radius, aspect, enclosure: Cylinder, *, most: int
 ) -> tuple[np.ndarray, np.ndarray, bool]:
     """Minimise the overlaps in units of the mean radius, in ``most`` steps at the most.
 
     Returns
     -------
     position, axis, apart
-        [m], unit vectors, and whether the spheroids are apart, were they not ``GROWN``.
+        [m], unit vectors, and whether the particles are apart, were they not ``GROWN``.
     """
     unit = float(np.mean(radius))
-    along, across = semi_axes(radius / unit, aspect)
+    semi_axes = shape.semi_axes(radius / unit, aspect)
     half, height = enclosure.diameter / 2 / unit, enclosure.height / unit
-    arm = np.sqrt((along**2 + across**2) / 5)[:, None]  # of inertia: ways along it are lengths, as those of points are
+    across, _ = shape.inertia(1.0, radius / unit, aspect)
+    arm = np.sqrt(across)[:, None]  # of inertia: ways along it are lengths, as those of points are
 
     def forces(place):
         x, u = place
-        force, torque, worst = _overlap_forces(x, Spheroids(u, along, across), half, height)
+        force, torque, worst = _overlap_forces(x, shape.bodies(u, *semi_axes), half, height)
         return np.concatenate([force, torque / arm], axis=1), worst
 
     def moved(place, way):
@@ -69,37 +70,37 @@ def _turned(u, angle):
     return turned / np.linalg.norm(turned, axis=1)[:, None]
 
 
-def _overlap_forces(x, spheroids: Spheroids, half: float, height: float):
+def _overlap_forces(x, bodies: Bodies, half: float, height: float):
     """Repulsion equal to the overlaps, its torques, and the largest overlap over the smaller semi-axes that meet."""
     force, torque = np.zeros_like(x), np.zeros_like(x)
-    worst = _pairs(x, spheroids, force, torque)
-    distance, outward = farthest_from_axis(x, spheroids)
+    worst = _pairs(x, bodies, force, torque)
+    distance, outward = bodies.farthest_from_axis(x)
     up = np.tile((0.0, 0.0, 1.0), (len(x), 1))
-    rise = spheroids.height(up)
+    rise = bodies.height(up)
     walls = ((distance - half, outward), (rise - x[:, 2], -up), (x[:, 2] + rise - height, up))
     for overlap, towards in walls:
         push = -np.maximum(overlap, 0)[:, None] * towards
         force += push
-        torque += np.cross(spheroids.point(towards), push)
-        worst = max(worst, float(np.max(overlap / spheroids.inscribed)))
+        torque += np.cross(bodies.point(towards), push)
+        worst = max(worst, float(np.max(overlap / bodies.inscribed)))
     return force, torque, worst
 
 
-def _pairs(x, spheroids: Spheroids, force, torque) -> float:
+def _pairs(x, bodies: Bodies, force, torque) -> float:
     """Add what pairs do to each other; the largest overlap over the sum of the smaller semi-axes."""
-    pairs = cKDTree(x).query_pairs(2 * spheroids.bound.max(), output_type="ndarray")
+    pairs = cKDTree(x).query_pairs(2 * bodies.bound.max(), output_type="ndarray")
     if not len(pairs):
         return 0.0
-    near = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1) < spheroids.bound[pairs].sum(axis=1)
+    near = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1) < bodies.bound[pairs].sum(axis=1)
     i, j = pairs[near].T
-    normal, gap = common_normal(x[i] - x[j], spheroids[i], spheroids[j], to_the_end=False)
+    normal, gap = bodies[i].common_normal(x[i] - x[j], bodies[j], to_the_end=False)
     meet = gap < 0
     if not meet.any():
         return 0.0
     i, j, normal, overlap = i[meet], j[meet], normal[meet], -gap[meet]
     push = overlap[:, None] * normal
-    on_i, on_j = np.cross(-spheroids[i].point(normal), push), np.cross(spheroids[j].point(normal), -push)
+    on_i, on_j = np.cross(-bodies[i].point(normal), push), np.cross(bodies[j].point(normal), -push)
     for axis in range(3):
         force[:, axis] += np.bincount(i, push[:, axis], len(x)) - np.bincount(j, push[:, axis], len(x))
         torque[:, axis] += np.bincount(i, on_i[:, axis], len(x)) + np.bincount(j, on_j[:, axis], len(x))
-    return float(np.max(overlap / (spheroids.inscribed[i] + spheroids.inscribed[j])))
+    return float(np.max(overlap / (bodies.inscribed[i] + bodies.inscribed[j])))
