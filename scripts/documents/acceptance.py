@@ -127,9 +127,9 @@ def bed_section():
         table(["Gamma", "independent codes", "found, three packings", "mean"], loose),
         "Compacted, steady, 46 Hz:",
         table(["Gamma", "asked for", "found, three packings", "mean"], compacted),
-        "At Gamma 6 a bed has more than one steady state and goes from one to another "
-        "([bed-states.md](bed-states.md)); what was asked for is of its first hundred cycles.  ± is of the average "
-        "over cycles alone.",
+        "At Gamma 6 packings differ, and each stays in its state for hundreds of cycles "
+        "([two_optima.md](two_optima.md), [bed-states.md](bed-states.md)); what was asked for is of the first hundred "
+        "cycles.  ± is of the average over cycles alone.",
         f"Clearance, compacted: {clearance} mm (eq. 2 says 2.2-2.3 mm).",
         f"Clearance, loose: {', '.join(f'{1e3 * bed.clearance:.2f}' for bed in fresh)} mm.",
         "A loose start at Gamma 6, effectiveness over cycles 1-10, 11-20, ... 81-90, mean of three packings:",

@@ -212,7 +212,6 @@ def budget_section(runs) -> list[str]:
 def cheapest_section(runs, errors) -> list[str]:
     """What an error costs at the least."""
     rows = []
-    float32 = relative_cost(errors, "precision=float32")
     for p in range(runs.sizes["point"]):
         own = runs["effectiveness"].isel(point=p).sel(variation=USUAL).values
         cells = []
@@ -236,9 +235,9 @@ def cheapest_section(runs, errors) -> list[str]:
                 for chosen in [settings_for(preset["tolerance"])]
             ],
         ),
-        "The motion is float64 at every tolerance, unless `numerics.precision` says otherwise: float32 saves "
-        f"{100 * (1 - float32):.0f} % of the time (above), and a bed that hardly moves drowns in its rounding "
-        "(docs/stability.md).",
+        "The motion is float64 at every tolerance, unless `numerics.precision` says otherwise: a bed that hardly moves "
+        "drowns in the rounding of float32 ([stability.md](stability.md)).  The costs above are of the code that the "
+        "runs are of; what float32 takes today is in [effects.md](effects.md).",
     ]
 
 

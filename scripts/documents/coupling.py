@@ -131,12 +131,14 @@ def document() -> None:
     forced = runs.where(runs["kind"] == "held", drop=True)
     low, high = float(at["paper"].x[0]), float(at["paper"].x[-1])
     rows, off, gone = [], {"paper": [], "corrected": [], "frequency": [], "rigid": []}, []
+    alone = 0
     for gamma in GAMMAS:
         own = forced.where(forced["asked"] == gamma, drop=True)
         per_bed = own.isel(window=slice(CYCLES // WINDOW // 2, None)).mean("window")
         there = (per_bed["gamma"] <= high).values
         gone += [f"{float(g):.0f}" for g in per_bed["gamma"].values[~there]]
         if there.sum() < 2:
+            alone += int(there.sum())
             continue
         per_bed = per_bed.isel(run=there)
         g = np.clip(per_bed["gamma"].values, low, high)  # the lowest come out at 0.498
@@ -173,10 +175,11 @@ def document() -> None:
         f"prediction, {inside['paper']} with the paper's.  Frequency: the prediction is off by "
         f"{1e3 * np.sqrt(np.mean(np.square(off['frequency']))):.0f} mHz (root mean square), the rigid mass's "
         f"{rigid:.3f} Hz by {1e3 * np.sqrt(np.mean(np.square(off['rigid']))):.0f} mHz.",
-        f"{len(gone)} of {forced.sizes['run']} runs are not in the table: past the optimum damping falls with the "
-        f"amplitude, so that the same force has a second, larger response, and they went there (Gamma "
-        f"{', '.join(gone)}), beyond what was predicted.  Where prescribed motion holds Gamma, a force does not: this "
-        "is the fold that `warpdamp frf --constant-force` draws.",
+        f"{len(gone) + alone} of {forced.sizes['run']} runs are not in the table.  {len(gone)} went to Gamma "
+        f"{', '.join(gone)}, beyond what was predicted: past the optimum damping falls with the amplitude, so that the "
+        "same force has a second, larger response.  Where prescribed motion holds Gamma, a force does not: "
+        "`warpdamp frf --constant-force` follows such branches as far as the results reach."
+        + (f"  {alone} is left alone at its force, without another bed to compare with." if alone else ""),
         "At the lowest amplitude both dampings are small: the difference is a tenth of the inherent one.  There beds "
         "age for as long as one waits; the prediction's have run for up to 1,000 cycles, these for 120.",
         "![damping and frequency](coupling.png)",

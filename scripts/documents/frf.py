@@ -93,9 +93,9 @@ Harmonic balance with these describing functions, every branch, by continuation;
 
 {forces}
 
-In mode 1 the peak grows far more slowly than the force once the particles move; in modes 3 and 5, whose damping falls
-with Γ, it grows faster than the force at the higher ones. Several states at one force and frequency exist where the
-force that holds a level falls as the level rises. Such ranges of Γ, anywhere in the bands above:
+In mode 1 the peak grows more slowly than the force, by far where particles begin to move; in modes 3 and 5, whose
+damping falls with Γ, it grows faster than the force at the higher ones. Several states at one force and frequency exist
+where the force that holds a level falls as the level rises. Such ranges of Γ, anywhere in the bands above:
 
 {multivalued}
 

@@ -36,7 +36,8 @@ def fluidisation_line() -> tuple[str, str]:
         f"{line.slope_standard_error:.4f}) f, chi^2 {line.scatter:.1f} per degree of freedom, "
         f"{int(np.isfinite(level).sum())} of {level.size} frequencies have one; the paper's: 3 − 0.0037 f"
     )
-    near = abs(line.slope + 0.0037) < 3 * line.slope_standard_error and abs(line.intercept - 3) < 0.5
+    near = abs(line.slope + 0.0037) < 3 * line.slope_standard_error
+    near &= abs(line.intercept - 3) < 3 * line.intercept_standard_error
     return (HOLDS if near else IN_PART if line.slope < 0 else NOT), words
 
 

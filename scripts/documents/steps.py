@@ -27,8 +27,9 @@ cycles {LEFT_OUT + 1} to {CYCLES}; the same bed with every step.  Fewer than {FE
 shortest contact expected are refused, and {STEPS_PER_CONTACT} are usual; here they are run all the same.
 
 The residual falls with the square of the step: half a percent of the energy turned over takes some 20 steps a contact,
-whatever the energy per cycle itself needs.  Below ten the ledger says that beds are fed with energy: dashpots act on
-predicted velocities, and are stable only where a step is short beside the time in which they stop a contact."""
+whatever the energy per cycle itself needs.  Below ten the largest residuals say that beds are fed with energy, at
+eight steps only where they are shaken hard: dashpots act on predicted velocities, and are stable only where a step is
+short beside the time in which they stop a contact."""
 
 
 def run(gamma: float) -> dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]]:

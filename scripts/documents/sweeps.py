@@ -210,11 +210,11 @@ def million(measured: dict, each: float) -> str:
     per_case = measured["of it advancing cases [s]"] / n
     collect = 1e6 / n * measured["collecting [s]"]
     lines = [
-        f"- Planning: {1e3 * each:.2f} ms a case, {1e6 * each / 60:.0f} minutes, once: runs that go on and array parts "
+        f"- Planning: {1e3 * each:.2f} ms a case, {1e6 * each:.0f} s, once: runs that go on and array parts "
         "that start later read the plan that is kept. Where each case has a bed of its own, planning takes longer. "
         "Its arrays take 69 bytes a case.",
         f"- Cases such as these: {per_case:.3f} s of one core each, {1e6 * per_case / 3600:.0f} core hours; on 200 "
-        f"cores {1e6 * per_case / 3600 / 200:.1f} hours.",
+        f"cores {1e6 * per_case / 60 / 200:.1f} minutes.",
         f"- Shards: {1e6 / n * measured['shards']:.0f}, {1e6 / n * measured['shards [MB]']:.0f} MB; "
         f"read and put together in about {collect:.0f} s if time goes with their number.",
         f"- Consolidated file: {1e6 / n * measured['consolidated file [MB]']:.0f} MB; a variable of it 8 MB.",

@@ -251,8 +251,8 @@ def lammps_words(results: xr.Dataset) -> str:
     return (
         f"With the same law all {len(pairs)} amplitudes together differ by {mean:+.2%} ± "
         f"{np.sum(errors**-2) ** -0.5:.2%}; chi^2 against no difference is {chi2:.1f} for {len(pairs)} amplitudes.  "
-        f"Both codes have their largest effectiveness at Gamma {list(pairs)[own.argmax()]:g} and "
-        f"{list(pairs)[other.argmax()]:g} of these."
+        f"Of these amplitudes warpdamp has its largest effectiveness at Gamma {list(pairs)[own.argmax()]:g}, LAMMPS at "
+        f"Gamma {list(pairs)[other.argmax()]:g}."
     )
 
 

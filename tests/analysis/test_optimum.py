@@ -25,6 +25,14 @@ def curve(gamma, low, high):
     return 0.5 * np.exp(-(((gamma - low) / 1.2) ** 2)) + 0.65 * np.exp(-(((gamma - high) / 2.2) ** 2))
 
 
+def test_an_optimum_of_what_is_not_there_is_refused():
+    dataset = xr.Dataset({"effectiveness": ("gamma", curve(GAMMA, 2.6, 7.5))}, {"gamma": GAMMA})
+    with pytest.raises(UsageError, match="no effectiveness_standard_error"):
+        optimum(dataset)
+    with pytest.raises(UsageError, match="no damping and no damping_standard_error"):
+        optimum(dataset, "damping")
+
+
 def test_maxima_lie_where_they_are_within_their_errors():
     """Of forty noisy curves: pulls with the mean and spread that standard errors promise (0 +- 1, by a half each)."""
     noise, fine = 0.01, np.linspace(0.5, 12, 20_001)

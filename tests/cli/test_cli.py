@@ -73,13 +73,29 @@ def test_modes_can_be_drawn_and_written(tmp_path):
         assert (tmp_path / name).read_bytes().startswith(head)
     done = warpdamp("modes", config, "-o", tmp_path / "modes.txt")
     assert done.returncode == 2
-    assert "name a file that ends in" in done.stderr
+    assert "name a file that ends in .csv, .uff, .unv, .uf, .png, .pdf or .svg" in done.stderr
 
 
 def test_known_modes_are_shown_as_the_particles_make_them():
     done = warpdamp("modes", ROOT / "configs" / "modes_given.yaml")
     assert done.stdout.count("of particles") == 1
     assert "39.40" in done.stdout
+
+
+def test_explain_reads_the_design_too(tmp_path):
+    """What is wrong with a design is said before anything is simulated."""
+    done = warpdamp("explain", ROOT / "configs" / "design.yaml")
+    assert "chooses damper.enclosure.height, damper.particles.count; the search ends after 120 cases" in done.stdout
+    text = (ROOT / "configs" / "design.yaml").read_text()
+    for wrong, message in (
+        (text.replace("particles.count:", "particles.colour:"), "design.variables.particles.colour: is not a scalar"),
+        (text.replace("{from: 24, to: 80}", "{from: 80, to: 24}"), "the range from 80 to 24 is empty"),
+    ):
+        (tmp_path / "wrong.yaml").write_text(wrong)
+        done = warpdamp("explain", tmp_path / "wrong.yaml")
+        assert done.returncode == 2
+        assert message in done.stderr
+        assert done.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize("arguments", [("explain",), ("modes",), ("--help",)])

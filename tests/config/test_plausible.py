@@ -46,6 +46,7 @@ REFUSED = [
     ("thickness: 4 mm", "thickness: 4", "as '4 mm'"),
     ("diameter: 24 mm", "diameter: 24", "as '24 mm'"),
     ("mass: 200 g", "mass: 200", "200 without a unit is 200 kg: write its unit, as '200 g'"),
+    ("contact:", "design: {target: {damping: 2 %, gamma: [2, 8]}, variables: {particles.count: [8, 9]}, limits: {mass: 40}}\ncontact:", "design.limits.mass: 40 without a unit is 40 kg: write its unit, as '40 g'"),
     ("gravity: 9.81", "gravity: 1", "as '1 standard_gravity', or '1 m/s.2' if that is meant"),
     ("gravity: 9.81", "gravity: 9810", "as '9810 mm/s.2'"),
     ("gravity: 9.81", "gravity: 1 g", "has the wrong unit: .*g is gram: write standard_gravity"),

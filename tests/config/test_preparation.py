@@ -63,7 +63,7 @@ NO_FLOOR = ("height: 25 mm", "height: 25 mm, floor: false")
 @pytest.mark.parametrize(
     ("preparation", "change", "message"),
     [
-        ("{carried: {path: []}}", (), r"FILE:9:25: preparation.carried.path: list should have at least 1 item"),
+        ("{carried: {path: []}}", (), r"FILE:9:25: preparation.carried.path: needs at least 1 value"),
         ("{carried: {path: [up, left]}}", (), r"FILE:9:36: preparation.carried.path.1: 'left' is not one of 'up' or 'down'"),
         ("{carried: true}", (), r"FILE:9:15: preparation.carried: expected keys below it"),
         ("carried", ("[3, 6]", "3"), f"FILE:9:1: preparation: {ONE}"),

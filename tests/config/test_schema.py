@@ -39,3 +39,13 @@ def test_ranges_and_units_of_quantities(path, expected):
 
 def test_every_switch_of_an_effect_is_explained():
     assert set(SWITCHES) == set(FORCIBLE) - {"channels"}
+
+
+def test_what_a_file_may_leave_out_or_say_in_a_word_is_in_the_schema():
+    """Editors would mark as wrong what the reader takes: names of the library, presets, spectra of standards."""
+    asked = {name: set(MODELS[name].get("required", ())) for name in ("Config", "MaterialConfig", "ContactConfig")}
+    assert asked == {"Config": {"damper", "excitation"}, "MaterialConfig": set(), "ContactConfig": set()}
+    assert set(MODELS["SurfaceConfig"]["required"]) == {"restitution", "friction"}
+    assert {"enum": ["fast", "balanced", "reference"]} in MODELS["Config"]["properties"]["accuracy"]["anyOf"]
+    spectrum = MODELS["BaseRandomConfig"]["properties"]["spectrum"]["anyOf"]
+    assert any("NAVMAT P-9492" in kind.get("enum", ()) for kind in spectrum)

@@ -332,6 +332,9 @@ def test_the_commands(tmp_path):
         ("card", beam, "--gamma", 5, "-o", tmp_path / "d.csv"): "leave it out",
         ("card", beam, "-o", tmp_path / "d.txt"): "name a file that ends in .nc or .csv, or in .bdf or .dat",
         ("card", tmp_path / "none.nc"): "there is no file",
+        ("card", ROOT / "docs" / "emulator_training.nc"): "the results have no apparent_mass and no harmonic_work",
+        ("frf", beam, "--band", 5000, 6000): "5000 Hz is far above the highest mode, 730.6 Hz",
+        ("frf", beam, "-o", tmp_path / "frf.txt"): "name a file that ends in .nc, .png, .pdf or .svg",
     }.items():
         done = warpdamp(*arguments)
         assert done.exit_code == 2, (arguments, done.output)

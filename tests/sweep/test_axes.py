@@ -196,6 +196,12 @@ def test_exclusions_and_combinations_that_cannot_be(study):
     assert "too many particles" in next(iter(made.refused.values()))
 
 
+def test_a_study_of_which_everything_is_excluded_is_refused(study):
+    swept = "  product: {contact.friction: [0.1, 0.3]}\n  exclude: [{friction: {from: 0, to: 1}}]\n"
+    with pytest.raises(ConfigError, match=r"study.yaml:13:\d+: sweep.exclude: leaves no case to run"):
+        make_plan(Cases(load(study(swept))))
+
+
 def test_a_damper_on_a_node_is_one_combination_that_cannot_be(config_path, tmp_path):
     """Mode 2 of a symmetric beam has a node at its centre: there only; where nothing of it is swept, that stops the study."""
     text = config_path.read_text().replace("modes: [1, 3, 5]", "modes: [1, 2]")
@@ -287,6 +293,9 @@ def test_the_physics_is_part_of_the_key(study, monkeypatch):
         ("  sample: {n: 4, over: {friction: [0.5, 0.5]}}\n", r"sweep.sample.over.friction: the ends of a range must differ"),
         ("  sample: {n: 4, method: random, over: {friction: [0, 1]}}\n", r"'random' is not one of 'sobol' or 'latin_hypercube'"),
         ("  exclude: [{frictoin: 1}]\n", r"sweep.exclude.0.frictoin: is not a scalar"),
+        ("  exclude: [{gamma: 3}, {friction: 0.7}]\n", r"12:26: sweep.exclude.1.friction: leaves nothing out: no case has such a value of contact.friction"),
+        ("  exclude: [{gamma: {from: 10, to: 14}}]\n", r"sweep.exclude.0.gamma: leaves nothing out"),
+        ("  product: {}\n", r"sweep: nothing is swept"),
         ("  produt: {}\n", r"sweep.produt: unknown key; did you mean 'product'\?"),
     ],
 )  # fmt: skip

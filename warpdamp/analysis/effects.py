@@ -102,7 +102,7 @@ def effect_of(dataset: xr.Dataset, factor: str, *, step: float | None = None) ->
     result = xr.Dataset({key: (dims, values) for key, values in table.items()}, coords)
     result["level"] = (("response", dim, *others), level)
     result["level_standard_error"] = (("response", dim, *others), error)
-    result = result.merge(_curve(dataset, dim, scale))
+    result = result.merge(_curve(dataset, dim, scale), compat="no_conflicts")
     return result.assign_attrs(factor=name, per=scale.words(dataset[name].attrs.get("units", "1")), packings=packings)
 
 

@@ -116,10 +116,12 @@ class Curves:
     Raises
     ------
     ValueError
-        If Gamma is not a dimension.
+        If Gamma is not a dimension, or there is no such variable with its standard error.
     """
 
     def __init__(self, dataset: xr.Dataset, of: str = "effectiveness"):
+        if lacking := [name for name in (of, f"{of}_standard_error") if name not in dataset]:
+            raise UsageError(f"an optimum needs a curve and its errors: there is no {' and no '.join(lacking)}")
         if "gamma" not in dataset[of].dims:
             raise UsageError("an optimum needs a curve: gamma is not a dimension of this Dataset")
         self.dataset = dataset
@@ -226,7 +228,8 @@ def optimum(dataset: xr.Dataset, of: str = "effectiveness") -> xr.Dataset:
     Raises
     ------
     ValueError
-        If Gamma is not a dimension, or the results are of several dampers, each of which has a Gamma of its own.
+        If Gamma is not a dimension, there is no such variable with its standard error, or the results are of several
+        dampers, each of which has a Gamma of its own.
     """
     import xarray as xr
 

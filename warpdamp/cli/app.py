@@ -7,7 +7,7 @@ import os
 import sys
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,6 +17,9 @@ from . import design as cli_design
 from . import look as cli_look
 from . import structure as cli_structure
 from .common import ConfigArgument, importing_meanwhile, one_line_errors, picture_file, progress, stoppable, writable
+
+if TYPE_CHECKING:
+    from ..config.study import Config
 
 EXECUTORS = ("processes", "in-process", "dask")
 
@@ -161,11 +164,28 @@ def explain(
         from ..sweep.load import load
 
         checked = load(config)
+        designed = _designed(checked) if checked.design else ""
         if measure:
             from ..study.cost import measure_study
 
             measure_study(checked)
-        print(explained(checked))
+        print(explained(checked) + designed)
+
+
+def _designed(checked: Config) -> str:
+    """What `warpdamp design` will choose, once its problem has been read."""
+    from ..design.problem import Problem
+
+    budget = checked.design.budget
+    ends = [f"{number:g} {what}" for what, number in (("cases", budget.cases), ("minutes", budget.minutes)) if number]
+    return "\n".join(
+        [
+            "\n",
+            "Design (warpdamp design)",
+            f"  chooses {', '.join(variable.name for variable in Problem(checked).variables)}; the search ends after "
+            + " or ".join(ends),
+        ]
+    )
 
 
 @app.command()
@@ -205,7 +225,9 @@ def accuracy(
 @app.command()
 def plot(
     file: Annotated[Path, typer.Argument(help="Results of a run.", metavar="FILE.nc")],
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="PNG to write (default: beside FILE).")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Picture to write, .png, .pdf or .svg (default: beside FILE).")
+    ] = None,
 ) -> None:
     """Draw a results file: curves, maps, or scattered cases, as its dimensions ask; or that of coupled runs."""
     with one_line_errors():

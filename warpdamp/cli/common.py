@@ -49,12 +49,13 @@ def writable(folder: Path) -> None:
         raise UsageError(f"{folder}: cannot be written")
 
 
-def picture_file(target: Path) -> Path:
-    """Path that a picture can be written to."""
+def picture_file(target: Path, *others: str) -> Path:
+    """Path that a picture can be written to; ``others``: suffixes that stand for something else than a picture."""
     from ..report.figures import PICTURES
 
     if target.suffix not in PICTURES:
-        raise UsageError(f"{target}: name a file that ends in .png, .pdf or .svg")
+        *most, last = *others, *PICTURES
+        raise UsageError(f"{target}: name a file that ends in {', '.join(most)} or {last}")
     writable(target.parent)
     return target
 
@@ -68,7 +69,7 @@ def save_as_asked(dataset, draw, target: Path) -> None:
         writable(target.parent)
         write(dataset, target)
     else:
-        save(draw(dataset), picture_file(target))
+        save(draw(dataset), picture_file(target, ".nc"))
 
 
 @contextmanager

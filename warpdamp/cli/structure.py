@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UsageError
-from .common import ConfigArgument, one_line_errors, progress, save_as_asked, writable
+from .common import ConfigArgument, one_line_errors, picture_file, progress, save_as_asked, writable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -86,15 +86,15 @@ def _show_dampers(alone: list[Config], seen: list[Modes]) -> None:
 
 def _write_modes(modes: Modes, path: Path, title: str) -> None:
     """Write modes as a picture, a table or a universal file, as the suffix says."""
-    from ..formats.export import export
-    from ..report.figures import PICTURES, save
+    from ..formats.export import WRITTEN, export
+    from ..report.figures import save
     from ..report.mode_shapes import shapes
 
     writable(path.parent)
-    if path.suffix.lower() in PICTURES:
-        save(shapes(modes, title), path)
-    else:
+    if path.suffix.lower() in WRITTEN:
         export(modes, path)
+    else:
+        save(shapes(modes, title), picture_file(path, *WRITTEN))
 
 
 @app.command()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field, StrictInt, WithJsonSchema, model_validator
 
@@ -40,6 +40,7 @@ AccelerationDensity = Annotated[
     WithJsonSchema({"type": ["number", "string"], "description": "'0.04 g^2/Hz', or a number in (m/s^2)^2/Hz"}),
 ]
 ForceDensity = Annotated[quantity("N^2/Hz"), POSITIVE]
+Breakpoints = list[tuple[Hertz, AccelerationDensity]]
 
 
 def _named(value: Any) -> Any:
@@ -110,7 +111,7 @@ class RandomConfig(Model):
     spectrum: Annotated[list[tuple[Hertz, ForceDensity]], BeforeValidator(_no_name), Field(min_length=2)] | None = None
     """Breakpoints of a power spectral density, [frequency, density], straight on logarithmic scales."""
     seed: Seed = 1
-    """Of the noise."""
+    """Seed of the noise."""
 
     @model_validator(mode="after")
     def _one_kind(self):
@@ -167,10 +168,14 @@ class BaseRandomConfig(Model):
     gravity, 9.80665 m/s^2.
     """
 
-    spectrum: Annotated[list[tuple[Hertz, AccelerationDensity]], BeforeValidator(_named), Field(min_length=2)]
+    spectrum: Annotated[
+        Breakpoints,
+        BeforeValidator(_named, json_schema_input_type=Breakpoints | Literal[*SPECTRA]),
+        Field(min_length=2),
+    ]
     """Breakpoints of a power spectral density, [frequency, density], or the name of a standard's."""
     seed: Seed = 1
-    """Of the noise."""
+    """Seed of the noise."""
 
     @model_validator(mode="after")
     def _in_order(self):

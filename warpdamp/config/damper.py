@@ -72,8 +72,7 @@ class ContactConfig(SurfaceConfig):
     pairs: dict[Annotated[str, Field(pattern=r"^\S+ with \S+$")], SurfaceConfig] = Field({})
     """Surfaces of pairs of materials that differ, by ``A with B`` or ``A with walls``."""
     source: str | None = None
-    """Where restitution and friction are from, if of the library."""
-    """Where the values are from."""
+    """Where restitution and friction are from."""
 
 
 class EnclosureConfig(Model):
@@ -84,7 +83,7 @@ class EnclosureConfig(Model):
     height: Annotated[Length, _positive]
     """Inner height of the cylinder, from floor to lid."""
     material: str
-    """Name of the walls' material, one of ``materials``."""
+    """Name of the walls' material, one of ``materials`` or of the library."""
     side: bool = True
     """Whether the cylinder's side is there."""
     floor: bool = True
@@ -181,7 +180,7 @@ class ParticlesConfig(Model):
     radius: Annotated[Length, _positive] | SizesConfig
     """Radius of the spheres (of spheroids: of the sphere of the same volume), or a distribution of radii."""
     material: str
-    """Name of the particles' material, one of ``materials``."""
+    """Name of the particles' material, one of ``materials`` or of the library."""
     shape: ShapeConfig = ShapeConfig()
     """Shape of the particles; spheres unless given."""
 
@@ -296,10 +295,20 @@ def _unit(vector) -> tuple[float, float, float]:
 
 
 _NAMED = {"axial": (0.0, 0.0, 1.0), "lateral": (1.0, 0.0, 0.0)}
+
+
+def _named(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    if value not in _NAMED:
+        raise ValueError(f"'{value}' is not one of {', '.join(_NAMED)}; or give [x, y, z], z along the cavity's axis")
+    return _NAMED[value]
+
+
 Direction = Annotated[
     tuple[float, float, float],
     BeforeValidator(
-        lambda value: _NAMED.get(value, value) if isinstance(value, str) else value,
+        _named,
         json_schema_input_type=Literal["axial", "lateral"] | tuple[float, float, float],
     ),
 ]
@@ -317,7 +326,7 @@ class ExcitationConfig(Model):
     gravity: _swept(Acceleration, _not_negative) = 9.81
     """Acceleration of gravity; 0 for none."""
     gravity_direction: Direction = (0.0, 0.0, -1.0)
-    """Direction of gravity: ``axial``, ``lateral``, or [x, y, z] with z along the axis of the cavity."""
+    """Direction of gravity: [x, y, z] with z from floor to lid, ``axial`` (towards the lid) or ``lateral``."""
 
     @field_validator("gamma", "frequency")
     @classmethod

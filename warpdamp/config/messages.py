@@ -15,6 +15,23 @@ _WITH_COMMA = r"-?\d+,\d+(?:\s*[^\W\d][^,\[\]{}\n]*)?"
 _LISTED = re.compile(rf"\[\s*{_WITH_COMMA}(?:,\s+{_WITH_COMMA})+\s*\]")
 
 
+_RANKS = {"decimal_comma": -2, "too_short": -1, "literal_error": 1, "list_type": 2, "tuple_type": 2}
+"""Which branch of a union an error is told of: the lowest, 0 where nothing is said."""
+
+_WORDS = {
+    "bool_type": "expected on or off",
+    "bool_parsing": "expected on or off",
+    "int_type": "expected a whole number",
+    "int_from_float": "expected a whole number",
+    "string_type": "expected text",
+}
+_PATTERNS = {
+    r"^\S+ with \S+$": "expected two materials, as 'steel with pmma', or 'steel with walls'",
+    "^[A-Za-z][A-Za-z0-9_-]*$": "a name begins with a letter, and goes on with letters, digits, _ and -",
+}
+"""What the patterns of keys ask for."""
+
+
 def keys(data, loc) -> list:
     """Part of a pydantic location that exists in the YAML tree (unions add names of their own)."""
     keys, node = [], data
@@ -52,7 +69,7 @@ def relevant(errors, data, root):
         ours = len(error["loc"]) - (error["type"] == "extra_forbidden")  # an unknown key may look like a union's name
         loc = tuple(part for k, part in enumerate(error["loc"]) if k >= ours or not is_union_name(part))
         loc, message = _pointed(loc, error["msg"].removeprefix("Value error, "), data)
-        rank = {"decimal_comma": -1, "list_type": 1, "literal_error": 1}.get(error["type"], 0)
+        rank = _RANKS.get(error["type"], 0)
         if loc not in best or rank < best[loc][0]:
             best[loc] = (rank, error | {"loc": loc, "msg": message})
     misspelt = {
@@ -114,6 +131,13 @@ def explained(error, root) -> str:
         message = f"expected keys below it, got {given!r}"
     elif kind in ("tuple_type", "list_type"):
         message = f"expected a list, as [a, b], got {given!r}"
+    elif kind == "too_short":
+        least = error["ctx"]["min_length"]
+        message = f"needs at least {least} value{'s' * (least > 1)}, got {given!r}"
+    elif kind == "string_pattern_mismatch":
+        message = f"{_PATTERNS.get(error['ctx']['pattern'], message)}; got {given!r}"
+    elif kind in _WORDS:
+        message = f"{_WORDS[kind]}, got {given!r}"
     elif kind not in ("value_error", "decimal_comma"):
         message = f"{message[0].lower()}{message[1:]}, got {given!r}{per_cent(error)}"
     return f"{key}: {message}" if key else message

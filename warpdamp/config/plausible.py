@@ -78,6 +78,7 @@ LIMITS = {
     "gravity": _Size("m/s^2", ("mm/s^2", "standard_gravity"), (1.3, 200.0)),
     "base.random.spectrum.1": _Size("m^2/s^3", ("g^2/Hz",), _NEVER),  # tables of standards are in g^2/Hz
     "mass": _Size("kg", ("g",), (0.0, 100.0)),
+    "limits.mass": _Size("kg", ("g",), (0.0, 5.0)),  # of the particles of one damper
     "modal_mass": _Size("kg", ("g",), (0.0, 100.0)),
     "duration": _Size("s", ("ms",), (0.0, 100.0)),
     "length": _Size("m", ("mm",), (0.0, 100.0)),

@@ -11,15 +11,23 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from .study import Config
+from ..scene.materials import ELASTIC, SURFACE
+from .study import PRESETS, Config
 
 _LIMITS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
 """JSON schema's words for limits behind a validator, which pydantic leaves in its own."""
+
+FROM_THE_LIBRARY = {"Config": ("materials", "contact"), "MaterialConfig": ELASTIC, "ContactConfig": SURFACE}
+"""Keys that the models need, and a file need not have: the library of materials stands for what is left out."""
 
 
 def json_schema() -> dict[str, Any]:
     """JSON schema of a configuration, each key with its description, default, range and SI unit."""
     schema = _respelt(Config.model_json_schema())
+    schema["properties"]["accuracy"]["anyOf"].insert(0, {"enum": list(PRESETS)})
+    for name, keys in FROM_THE_LIBRARY.items():
+        node = schema if name == Config.__name__ else schema["$defs"][name]
+        node["required"] = [key for key in node.get("required", ()) if key not in keys]
     models = {model.__name__: model for model in _below(BaseModel) if model.__module__.startswith(f"{__package__}.")}
     for name, node in {Config.__name__: schema, **schema["$defs"]}.items():
         texts = _texts(models[name])

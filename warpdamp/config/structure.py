@@ -44,11 +44,11 @@ class BeamConfig(Model):
     section: SectionConfig | None = None
     """A section of any shape, from a mesh."""
     material: str
-    """Name of the beam's material, one of ``materials``."""
+    """Name of the beam's material, one of ``materials`` or of the library."""
     supports: tuple[Support, Support] = ("clamped", "clamped")
     """How the two ends are held."""
     bends: Literal["thickness", "width"] = "thickness"
-    """Across what the modes bend that are counted."""
+    """Side of the section across which the modes bend that are counted."""
 
     @model_validator(mode="after")
     def _one_section(self):
@@ -73,7 +73,7 @@ class PlateConfig(Model):
     thickness: Annotated[Length, POSITIVE]
     """Thickness, along z, in which it bends."""
     material: str
-    """Name of the plate's material, one of ``materials``."""
+    """Name of the plate's material, one of ``materials`` or of the library."""
     edges: tuple[Support, Support, Support, Support] = ("clamped",) * 4
     """How the edges at x = 0, x = length, y = 0 and y = width are held."""
 
@@ -96,14 +96,14 @@ class BoxConfig(Model):
 
 
 class MeshConfig(Model):
-    """A solid of any shape: a mesh of tetrahedra or hexahedra, held at named boundaries or in boxes."""
+    """A solid of any shape: a mesh of tetrahedra, hexahedra, wedges, pyramids, held at named boundaries or in boxes."""
 
     file: str
     """Mesh file, beside the configuration; needs the extra ``modes``."""
     unit: MeshUnit = 1.0
     """Unit of the mesh's coordinates."""
     material: str
-    """Name of the solid's material, one of ``materials``."""
+    """Name of the solid's material, one of ``materials`` or of the library."""
     clamped: list[str | BoxConfig] = Field([])
     """What is held: names of boundaries or sets of nodes, planes, or boxes."""
     direction: Direction = "z"
@@ -240,7 +240,7 @@ class StructureConfig(Model):
     other_masses: list[PointMassConfig] = Field([])
     """Other masses fixed to the structure; on computed modes."""
     particles_included: bool | None = None
-    """Of known modes: whether they were found with the particles in place; if not, their mass is added."""
+    """Whether known modes were found with the particles in place; if not, the particles' mass is added."""
     modes: Annotated[list[Annotated[StrictInt, Field(ge=1, le=200)]], Field(min_length=1)] | None = None
     """Numbers of the modes to damp; of known modes, left out: all that move the damper."""
     inherent_damping: Damping | list[Damping] | None = None

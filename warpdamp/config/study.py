@@ -106,9 +106,9 @@ class Config(Model):
     materials: Annotated[
         dict[Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_-]*$")], MaterialConfig], Field(min_length=1)
     ]
-    """Materials by names of your own."""
+    """Materials by names of your own; names of the library (``warpdamp materials``) need not be here."""
     contact: ContactConfig
-    """What happens where particles touch each other and the walls."""
+    """What happens where particles touch each other and the walls; what the library knows may be left out."""
     excitation: ExcitationConfig
     """How the cavity is shaken."""
     preparation: Word | PreparationConfig = "compacted"
@@ -129,7 +129,6 @@ class Config(Model):
     coupled: CoupledConfig | None = None
     """Runs in which the structure answers, of ``warpdamp coupled``."""
     design: DesignConfig | None = None
-    """Damper that is looked for: `warpdamp design`."""
     """What a damper is to be designed for, of ``warpdamp design``."""
 
     _source: tuple[Path, Any] | None = PrivateAttr(default=None)
@@ -266,4 +265,4 @@ PRESETS = {
     "reference": {"tolerance": 0.01, "most_packings": 100},
 }
 """Accuracies by name; their settings and errors are in docs/accuracy.md.  Single packings of the paper's damper differ
-by 8.5 % in mode 1, 11 % at the worst (docs/two_optima.md), which takes 30 packings for 2 % and 120 for 1 %."""
+by 8.5 % in mode 1 (root mean square over Gamma 1.5 to 14, docs/two_optima.md): 18 packings for 2 %, 72 for 1 %."""

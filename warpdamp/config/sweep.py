@@ -136,7 +136,7 @@ class SampleConfig(_Model):
     n: Annotated[StrictInt, Field(ge=1, le=10_000_000)]
     """Number of points."""
     seed: Annotated[StrictInt, Field(ge=0)] = 0
-    """Of the sample."""
+    """Seed of the sample."""
     over: Annotated[dict[str, tuple[Quantity, Quantity] | Span], Field(min_length=1)]
     """Interval of each scalar, by its path."""
 
@@ -167,6 +167,12 @@ class SweepConfig(_Model):
     """Table beside the configuration, whose columns are paths, along the dimension ``case``."""
     exclude: list[Annotated[dict[str, Scalar | list[Scalar] | Between], Field(min_length=1)]] = []
     """Combinations to leave out: where all of an entry holds."""
+
+    @model_validator(mode="after")
+    def _something(self):
+        if not (self.product or self.zip or self.sample or self.csv or self.exclude):
+            raise ValueError("nothing is swept: give product, zip, sample or csv, or leave the section out")
+        return self
 
     def keys(self) -> list[str]:
         """Paths of the scalars that it varies, as written; those of a table beside it are not among them."""

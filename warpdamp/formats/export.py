@@ -9,6 +9,9 @@ from ..modes import Modes
 from .mode_csv import write_csv
 from .mode_uff import SUFFIXES, write_uff
 
+WRITTEN = (".csv", *SUFFIXES)
+"""Suffixes of the files that modes are written to."""
+
 
 def export(modes: Modes, path: Path) -> None:
     """Write modes as a table (.csv) or a universal file (.uff, .unv, .uf).
@@ -32,4 +35,4 @@ def export(modes: Modes, path: Path) -> None:
     elif suffix in SUFFIXES:
         write_uff(path, modes)
     else:
-        raise ModalError(f"{path}: name a file that ends in {', '.join(('.csv', *SUFFIXES))}")
+        raise ModalError(f"{path}: name a file that ends in {', '.join(WRITTEN)}")

@@ -26,9 +26,19 @@ if TYPE_CHECKING:
 
 REACH = 0.05
 """Part of a frequency within which a damper's complex mass is taken for that at the frequency: a mode of the paper's
-beam moves by 2 % at most as its damper's mass changes with Gamma (docs/frf.md)."""
+beam moves by 3 % at most as its damper's mass changes with Gamma (docs/frf.md)."""
 ROUNDING = 1e-6
 """Part by which a frequency may lie outside: studies are run at modes rounded to a microhertz."""
+
+
+_NEEDED = ("apparent_mass", "harmonic_work", "displacement", "excitation_frequency")
+"""Variables of results that the complex mass follows from."""
+
+
+def _require(dataset: xr.Dataset) -> None:
+    needed = ("apparent_mass", "quadrature_mass") if "quadrature_mass" in dataset else _NEEDED
+    if lacking := [name for name in needed if name not in dataset]:
+        raise ModalError(f"the results have no {' and no '.join(lacking)}: take the file that `warpdamp run` wrote")
 
 
 def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
@@ -44,7 +54,13 @@ def complex_mass(dataset: xr.Dataset) -> xr.Dataset:
     xarray.Dataset
         ``apparent_mass`` and ``quadrature_mass`` on (frequency, gamma, swept scalars), each with its standard error
         from the spread of the seeds (NaN with a single seed).  Of a card its own.
+
+    Raises
+    ------
+    ModalError
+        If the Dataset lacks what they follow from.
     """
+    _require(dataset)
     found = dataset
     if "quadrature_mass" not in dataset:
         acceleration = (2 * np.pi * dataset["excitation_frequency"]) ** 2 * dataset["displacement"]
@@ -229,10 +245,11 @@ class ComplexMass:
         Raises
         ------
         ModalError
-            If the Dataset has swept scalars left, fewer than two Gammas, or several dampers.
+            If the Dataset has swept scalars left, fewer than two Gammas, or several dampers, or lacks variables.
         """
         if "damper" in dataset.dims:
             raise ModalError("these are results of several dampers, which have no one mass: give those of one damper")
+        _require(dataset)
         swept = [d for d in dataset["apparent_mass"].dims if d not in ("frequency", "gamma", "seed")]
         if swept:
             first = {d: dataset[d].values[0].item() for d in swept}

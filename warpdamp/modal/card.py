@@ -79,7 +79,7 @@ def card(results: xr.Dataset) -> xr.Dataset:
     >>> part = card(open_results("docs/beam.nc"))
     >>> at = part.sel(gamma=5).isel(frequency=0)  # the paper's damper at its optimum
     >>> [f"{1e3 * float(at[name]):.0f} g" for name in ("apparent_mass", "quadrature_mass", "quadrature_mass_interval")]
-    ['11 g', '20 g', '2 g']
+    ['8 g', '19 g', '3 g']
     """
     if is_card(results):
         return results

@@ -367,6 +367,9 @@ def _band(own: ModalModel, mass: ComplexMass, asked) -> tuple[float, float]:
     low, high = map(float, asked)
     if not 0 < low < high < np.inf:
         raise ModalError(f"band: expected two frequencies above 0 Hz, the lower one first, got {low:g} and {high:g}")
+    if low > 1.25 * own.frequency.max():
+        highest = f"the highest mode, {float(own.frequency.max()):.4g} Hz"
+        raise ModalError(f"band: {low:g} Hz is far above {highest}: the modes say nothing there")
     mass.require_in_band([low, high])
     return low, high
 

@@ -25,6 +25,11 @@ class Material:
     poissons_ratio : float
         nu [-].
 
+    Raises
+    ------
+    ValueError
+        If density or modulus is not positive, or Poisson's ratio not between -1 and 0.5.
+
     Examples
     --------
     >>> from warpdamp import Material
@@ -36,6 +41,12 @@ class Material:
     density: float
     youngs_modulus: float
     poissons_ratio: float
+
+    def __post_init__(self):
+        if not (self.density > 0 and self.youngs_modulus > 0 and -1 < self.poissons_ratio < 0.5):
+            raise ValueError(
+                f"a material needs a positive density and modulus and a Poisson's ratio from -1 to 0.5, got {self}"
+            )
 
     @property
     def shear_modulus(self) -> float:
@@ -56,6 +67,11 @@ class Surface:
     rolling_friction : float
         mu_r [-]: the moment of rolling resistance is at most mu_r R* Fn, R* the reduced radius.
 
+    Raises
+    ------
+    ValueError
+        If the restitution is not from 0 to 1, or a friction is negative.
+
     Examples
     --------
     >>> from warpdamp import Surface
@@ -66,6 +82,12 @@ class Surface:
     restitution: float
     friction: float
     rolling_friction: float = 0.0
+
+    def __post_init__(self):
+        if not (0 <= self.restitution <= 1 and self.friction >= 0 and self.rolling_friction >= 0):
+            raise ValueError(
+                f"a surface needs a restitution from 0 to 1 and frictions that are not negative, got {self}"
+            )
 
 
 @dataclass(frozen=True)
@@ -82,6 +104,11 @@ class Cylinder:
     side, floor, lid : bool
         Whether the wall is present.
 
+    Raises
+    ------
+    ValueError
+        If diameter or height is not positive.
+
     Examples
     --------
     >>> from warpdamp import Cylinder
@@ -95,6 +122,10 @@ class Cylinder:
     side: bool = True
     floor: bool = True
     lid: bool = True
+
+    def __post_init__(self):
+        if not (self.diameter > 0 and self.height > 0):
+            raise ValueError(f"a cavity needs a positive diameter and height, got {self}")
 
     @property
     def volume(self) -> float:
@@ -118,7 +149,7 @@ class Drive:
     Raises
     ------
     ValueError
-        If the frequency is not positive, or the direction has not length 1.
+        If the frequency is not positive, the amplitude negative, or the direction has not length 1.
 
     Examples
     --------
@@ -133,8 +164,10 @@ class Drive:
     direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
     def __post_init__(self):
-        if self.frequency <= 0 or abs(math.hypot(*self.direction) - 1) > 1e-9:
+        if not self.frequency > 0 or abs(math.hypot(*self.direction) - 1) > 1e-9:
             raise ValueError("a drive needs a positive frequency and a direction of length 1")
+        if not self.acceleration >= 0:
+            raise ValueError(f"a drive needs an amplitude that is not negative, got {self.acceleration:g} m/s^2")
 
     @property
     def angular_frequency(self) -> float:

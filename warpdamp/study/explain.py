@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..sweep.plan import Plan
 
 LISTED_PAIRS = 8
-"""Listed pairs to a particle: three or four near it, and as many while a list is plan beside the old one."""
+"""Listed pairs to a particle: three or four near it, and as many while a new list is made beside the old one."""
 
 PROCESS_MEMORY = 0.3e9
 """Memory of a worker process before any case [bytes]: 236 to 251 MB were measured, rounded up."""

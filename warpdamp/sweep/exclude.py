@@ -6,12 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 from ..config.sweep import Between
-from .axes import FREQUENCY, GAMMA, SEED, Path, get, tree
+from .axes import FREQUENCY, GAMMA, SEED, Path, dotted, get, tree
 from .reader import Reader
 
 if TYPE_CHECKING:
     from ..config.study import Config
     from .cases import Point
+    from .grid import Grid
 
 
 class Exclusions:
@@ -43,6 +44,39 @@ class Exclusions:
             all(_meets(drive[path] if path in drive else get(values, path), rule) for path, rule in entry.items())
             for entry in self.entries
         )
+
+
+def refuse_exclusions_in_vain(grid: Grid) -> None:
+    """Refuse a condition that no value of the study meets: it would leave out nothing.
+
+    Frequencies that are the structure's own are not looked at: they are not known yet.
+
+    Raises
+    ------
+    ConfigError
+        At the condition.
+    """
+    for k, entry in enumerate(grid.excluded.entries):
+        for path, rule in entry.items():
+            values = _values(grid, path)
+            if values and not any(_meets(value, rule) for value in values):
+                written = list(grid.config.sweep.exclude[k])[list(entry).index(path)]
+                raise grid.config.error(
+                    ("sweep", "exclude", k, written),
+                    f"leaves nothing out: no case has such a value of {dotted(path)}; correct it, or leave it out",
+                )
+
+
+def _values(grid: Grid, path: Path) -> list:
+    """Values that a scalar has in a study; none where they are not known yet."""
+    for axis in grid.axes:
+        if path in axis.paths:
+            return [row[axis.paths.index(path)] for row in axis.rows]
+    if path == FREQUENCY:
+        frequencies = [] if grid.modal else grid.config.excitation.frequency
+        return frequencies if isinstance(frequencies, list) else [frequencies]
+    own = {GAMMA: grid.gammas, SEED: grid.seeds}
+    return own[path] if path in own else [get(tree(grid.config), path)]
 
 
 def _meets(value, rule) -> bool:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ..config.reading import read
 from ..config.study import Config
+from .exclude import refuse_exclusions_in_vain
 from .grid import Grid
 
 
@@ -38,5 +39,5 @@ def load(path: str | Path) -> Config:
     warpdamp.errors.ConfigError: configs/beam_modes.csv:1:1: not a warpdamp configuration: ...
     """
     config = read(path)
-    Grid(config)  # what is wrong with a sweep is said now
+    refuse_exclusions_in_vain(Grid(config))  # what else is wrong with a sweep is said by making it
     return config

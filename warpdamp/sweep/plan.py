@@ -107,7 +107,7 @@ def make_plan(cases: Cases) -> Plan:
     Raises
     ------
     ConfigError
-        If no combination can be, or a forced step does not resolve the shortest contact expected.
+        If no combination can be, all are excluded, or a forced step does not resolve the shortest contact expected.
     """
     n = len(cases)
     plan = Plan(
@@ -133,6 +133,8 @@ def make_plan(cases: Cases) -> Plan:
     _chain_up(plan, carried)
     if len(plan.refused) == len(list(_indices(cases))):
         raise cases.config.error(("sweep",), next(iter(plan.refused.values())))
+    if not len(plan.to_run()):
+        raise cases.config.error(("sweep", "exclude"), "leaves no case to run: exclude less")
     return plan
 
 
