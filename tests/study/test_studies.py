@@ -17,6 +17,7 @@ SMALL = (
     (r"\[32, 96, 96\]", "[8, 8, 8]"),
     (r"\[32, 96\]", "[8, 8]"),
     (r"^  gamma: \[.*\]", "  gamma: [1.4, 6]"),
+    (r"^  exclude:.*\n(?:    .*\n)+", ""),  # of amplitudes that are not among these two
     (r"count: 120", "count: 12"),
     (r"\[60, 120, (\d+)0\]", r"[6, 12, \1]"),
     (r"diameter: 40 mm, height: 40 mm", "diameter: 20 mm, height: 25 mm"),
