@@ -13,7 +13,7 @@ from shared import DOCS, progress, table
 
 from warpdamp.design.problem import Design, Problem
 from warpdamp.design.run import ATTEMPTS
-from warpdamp.design.search import FULLEST, Search
+from warpdamp.design.search import Search, has_room
 from warpdamp.design.verify import FRESH, GAMMAS, PACKINGS, orders_of, probability
 from warpdamp.files import whole_file
 
@@ -62,12 +62,7 @@ def grid(search: Search) -> list[Design]:
 
 def possible(search: Search, design: Design | None) -> bool:
     """Whether a design can be, and may be: the search takes the same ones."""
-    return (
-        design is not None
-        and search.bounds.least_mass <= design.mass
-        and search.problem.light_enough(design)
-        and design.fill <= FULLEST * design.packing
-    )
+    return has_room(design) and search.bounds.least_mass <= design.mass and search.problem.light_enough(design)
 
 
 def optuna_search(search: Search) -> dict:

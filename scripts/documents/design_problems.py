@@ -154,11 +154,13 @@ def problems_section() -> str:
             )
         rows.append([k, what, said, verdict, f"{own['minutes']:.0f}"])
     refused = [own for own in done.values() if own["impossible"]]
+    unclaimed = sum(not own.get("claimed", True) for own in done.values())
     claims = [own["fresh"] for own in done.values() if "fresh" in own]
     said = (
         f"Run so far: {len(done)} of {COUNT}. Of the {len(refused)} impossible ones among them "
         f"{sum('refused' in own for own in refused)} were refused by a bound; of {len(claims)} claims "
-        f"{sum(claim['met'] for claim in claims)} were met by 64 fresh packings."
+        f"{sum(claim['met'] for claim in claims)} were met by 64 fresh packings; {unclaimed} problems ended "
+        "without a claim."
     )
     columns = ["problem", "drawn as", "answer", "64 fresh packings", "minutes"]
     return "\n\n".join([said, table(columns, rows)] if rows else [said])

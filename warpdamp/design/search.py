@@ -36,6 +36,11 @@ LOCAL, SPREADS = 16, (0.12, 0.04)
 KEPT = 8
 
 
+def has_room(design: Design | None) -> bool:
+    """Whether a design can be, and its particles have room to move."""
+    return design is not None and design.fill <= FULLEST * design.packing
+
+
 class Search:
     """Search of one problem.
 
@@ -70,7 +75,7 @@ class Search:
         found, seen = [], set()
         for part in unit:
             design = self.problem.make(part)
-            if design is not None and design.key not in seen and design.fill <= FULLEST * design.packing:
+            if has_room(design) and design.key not in seen:
                 seen.add(design.key)
                 found.append(design)
         return found
@@ -160,7 +165,7 @@ class Search:
             for k in range(LOCAL):
                 part = np.clip(centre + SPREADS[k % 2] * rng.standard_normal(len(centre)), 0.0, 1 - 1e-9)
                 design = self.problem.make(part)
-                if design and design.key not in seen and design.fill <= FULLEST * design.packing:
+                if has_room(design) and design.key not in seen:
                     seen.add(design.key)
                     fits = self.problem.light_enough(design) and self._packs(design)
                     if design.mass >= self.bounds.least_mass and fits:
